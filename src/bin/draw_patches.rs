@@ -1,0 +1,2 @@
+//! Command line of `draw_patches`.
+fn main() {}

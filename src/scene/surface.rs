@@ -1,0 +1,85 @@
+//! One surface a BSP face: its polygon, material and luxel grid.
+
+use crate::photometry::Reflectance;
+use glam::{Vec2, Vec3, Vec4};
+
+/// What a surface does to light.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Role {
+    /// Blocks light, and sends back its reflectance when it is lightmapped.
+    Solid,
+    /// Blocks light and sends nothing back.
+    Sky,
+    /// Neither blocks nor reflects (liquids, models without shadow, `skip`, and for now fences and
+    /// glass), but receives light when it is lightmapped.
+    Ghost,
+}
+
+/// The luxels of a lightmapped face: `width` x `height` samples on integer luxel coordinates.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LuxelGrid {
+    /// Columns, along the texture's s axis.
+    pub width: u32,
+    /// Rows, along the texture's t axis.
+    pub height: u32,
+    /// World to luxel coordinates, `row.xyz . p + row.w`: column.
+    pub s_row: Vec4,
+    /// World to luxel coordinates: row.
+    pub t_row: Vec4,
+    /// World position of luxel (0, 0) on the face plane.
+    pub origin: Vec3,
+    /// World step from one luxel to the next column, within the face plane.
+    pub s_step: Vec3,
+    /// World step to the next row.
+    pub t_step: Vec3,
+}
+
+impl LuxelGrid {
+    /// Luxel coordinates of a world point; luxel (i, j) is at exactly (i, j).
+    pub fn luxel_of(&self, p: Vec3) -> Vec2 {
+        Vec2::new(
+            self.s_row.truncate().dot(p) + self.s_row.w,
+            self.t_row.truncate().dot(p) + self.t_row.w,
+        )
+    }
+
+    /// World point on the face plane at luxel coordinates `l`.
+    pub fn world_of(&self, l: Vec2) -> Vec3 {
+        self.origin + self.s_step * l.x + self.t_step * l.y
+    }
+
+    /// Number of luxels.
+    pub fn len(&self) -> usize {
+        self.width as usize * self.height as usize
+    }
+
+    /// Whether there are none (never, for a grid made from a face).
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+}
+
+/// A BSP face as light sees it. Surface indices are BSP face indices.
+#[derive(Clone, Debug)]
+pub struct Surface {
+    /// Corner points in world space (the offset of the brush model added), clockwise from the front.
+    pub vertices: Vec<Vec3>,
+    /// Unit normal of the lit side.
+    pub normal: Vec3,
+    /// Plane distance in world space: points on the surface have `normal . p = dist`.
+    pub dist: f32,
+    /// Brush model that owns the face; `None` for a face of no model, which stays unlit.
+    pub model: Option<u32>,
+    /// World offset of that model (the `origin` key), already part of `vertices` and `dist`.
+    pub offset: Vec3,
+    /// Index into the texture lump, if the face has a texture.
+    pub texture: Option<u32>,
+    /// Share of light it sends back, per channel.
+    pub reflectance: Reflectance,
+    /// What it does to light.
+    pub role: Role,
+    /// Lit from behind as well (liquids).
+    pub two_sided: bool,
+    /// Luxels, for faces that get a lightmap.
+    pub luxels: Option<LuxelGrid>,
+}

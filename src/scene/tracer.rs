@@ -1,0 +1,155 @@
+//! The polygons of a scene in a bounding volume hierarchy. The only file that uses `obvhs`.
+
+use glam::Vec3;
+use obvhs::BvhBuildParams;
+use obvhs::aabb::Aabb;
+use obvhs::bvh2::Bvh2;
+use obvhs::bvh2::builder::build_bvh2;
+use obvhs::ray::{Ray, RayHit};
+use std::time::Duration;
+
+/// A flat convex polygon that blocks light.
+#[derive(Clone, Debug)]
+pub struct Polygon {
+    /// Corner points in order.
+    pub vertices: Vec<Vec3>,
+    /// Unit normal of its front.
+    pub normal: Vec3,
+}
+
+/// Where a ray met a polygon.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Hit {
+    /// Index of the polygon, as given to [`Tracer::new`].
+    pub polygon: u32,
+    /// Distance from the ray's origin, in lengths of its direction.
+    pub distance: f32,
+}
+
+/// A node of the hierarchy, as [`Tracer::nodes`] shows it.
+#[derive(Clone, Copy, Debug)]
+pub struct Node {
+    /// Bounding box.
+    pub min: Vec3,
+    /// Number of polygons; 0 marks an inner node.
+    pub count: u32,
+    /// Bounding box.
+    pub max: Vec3,
+    /// Inner node: its children are `first` and `first + 1`. Leaf: its polygons are the entries
+    /// `first..first + count` of [`Tracer::order`].
+    pub first: u32,
+}
+
+/// Polygons and the hierarchy over them.
+pub struct Tracer {
+    polygons: Vec<Polygon>,
+    bvh: Bvh2,
+    nodes: Vec<Node>,
+}
+
+impl Tracer {
+    /// Builds the hierarchy. Polygons need three vertices and finite coordinates.
+    pub fn new(polygons: Vec<Polygon>) -> Self {
+        let boxes: Vec<Aabb> = polygons
+            .iter()
+            .map(|p| {
+                let mut b = Aabb::empty();
+                for v in &p.vertices {
+                    b.extend((*v).into());
+                }
+                b
+            })
+            .collect();
+        let bvh = if boxes.is_empty() {
+            Bvh2::default()
+        } else {
+            build_bvh2(&boxes, BvhBuildParams::medium_build(), &mut Duration::default())
+        };
+        let nodes = bvh
+            .nodes
+            .iter()
+            .map(|n| Node {
+                min: n.aabb().min.into(),
+                count: n.prim_count,
+                max: n.aabb().max.into(),
+                first: n.first_index,
+            })
+            .collect();
+        Self { polygons, bvh, nodes }
+    }
+
+    /// The polygons, in the order given.
+    pub fn polygons(&self) -> &[Polygon] {
+        &self.polygons
+    }
+
+    /// The nodes; the root is node 0. Empty for an empty scene.
+    pub fn nodes(&self) -> &[Node] {
+        &self.nodes
+    }
+
+    /// Polygon indices in the order that leafs refer to.
+    pub fn order(&self) -> &[u32] {
+        &self.bvh.primitive_indices
+    }
+
+    /// Whether a polygon lies between the two points. Both faces of a polygon block. There is no
+    /// tolerance: a polygon through `to` itself blocks, one through `from` does not.
+    pub fn blocked(&self, from: Vec3, to: Vec3) -> bool {
+        if self.nodes.is_empty() {
+            return false;
+        }
+        let reach = (to - from).length();
+        if reach == 0.0 {
+            return false;
+        }
+        let direction = (to - from) / reach;
+        let ray = Ray::new(from.into(), direction.into(), 0.0, reach);
+        !self.bvh.ray_traverse_miss(ray, |ray, slot| {
+            let t = self.intersect(slot, from, direction);
+            // The traversal asks for t < tmax; a blocker at exactly the far end counts too.
+            if t <= ray.tmax { 0.0 } else { f32::INFINITY }
+        })
+    }
+
+    /// The nearest polygon along `origin + t direction`, 0 < t < `limit`.
+    pub fn first_hit(&self, origin: Vec3, direction: Vec3, limit: f32) -> Option<Hit> {
+        if self.nodes.is_empty() {
+            return None;
+        }
+        let ray = Ray::new(origin.into(), direction.into(), 0.0, limit);
+        let mut hit = RayHit::none();
+        self.bvh.ray_traverse(ray, &mut hit, |_, slot| self.intersect(slot, origin, direction));
+        (hit.t < limit).then(|| Hit {
+            polygon: self.bvh.primitive_indices[hit.primitive_id as usize],
+            distance: hit.t,
+        })
+    }
+
+    /// Distance to the polygon in `slot` of the hierarchy, infinite for a miss or t <= 0.
+    /// Two-sided Möller-Trumbore on the fan around the last vertex, as the reference compiler does.
+    fn intersect(&self, slot: usize, origin: Vec3, direction: Vec3) -> f32 {
+        let polygon = &self.polygons[self.bvh.primitive_indices[slot] as usize];
+        let v = &polygon.vertices;
+        (2..v.len())
+            .map(|i| triangle(v[0], v[i - 1], v[i], origin, direction))
+            .fold(f32::INFINITY, f32::min)
+    }
+}
+
+/// Möller and Trumbore, "Fast, minimum storage ray/triangle intersection" (1997), both sides.
+fn triangle(a: Vec3, b: Vec3, c: Vec3, origin: Vec3, direction: Vec3) -> f32 {
+    let (ab, ac) = (b - a, c - a);
+    let p = direction.cross(ac);
+    let det = ab.dot(p);
+    if det == 0.0 {
+        return f32::INFINITY;
+    }
+    let inv = 1.0 / det;
+    let from_a = origin - a;
+    let u = from_a.dot(p) * inv;
+    let q = from_a.cross(ab);
+    let v = direction.dot(q) * inv;
+    let t = ac.dot(q) * inv;
+    if u >= 0.0 && v >= 0.0 && u + v <= 1.0 && t > 0.0 { t } else { f32::INFINITY }
+}
