@@ -2,7 +2,9 @@
 
 pub mod bsp;
 pub mod error;
+pub mod patch;
 pub mod photometry;
+pub mod radiosity;
 pub mod scene;
 
 pub use error::{Error, Result};

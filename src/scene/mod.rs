@@ -4,4 +4,4 @@ mod surface;
 mod tracer;
 
 pub use surface::{LuxelGrid, Role, Surface};
-pub use tracer::{Hit, Polygon, Tracer};
+pub use tracer::{Hit, Node, Polygon, Tracer};

@@ -1,0 +1,34 @@
+//! Patches: the pieces of surface between which light is exchanged.
+
+mod lookup;
+
+pub use lookup::{PatchGrid, PatchLookup, PolygonPatches};
+
+use crate::photometry::Reflectance;
+use glam::Vec3;
+
+/// Index of a patch.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct PatchId(pub u32);
+
+/// A flat, diffuse, one-sided piece of surface.
+#[derive(Clone, Copy, Debug)]
+pub struct Patch {
+    /// Point that its hemicube stands on, a little above the surface.
+    pub eye: Vec3,
+    /// Unit normal of the side that gives and takes light.
+    pub normal: Vec3,
+    /// Area in square world units.
+    pub area: f32,
+    /// Share of light it sends back, per channel.
+    pub reflectance: Reflectance,
+}
+
+/// All patches of a scene.
+#[derive(Clone, Debug, Default)]
+pub struct PatchSet {
+    /// The patches; [`PatchId`] indexes them.
+    pub patches: Vec<Patch>,
+    /// Which patch a point of a polygon belongs to.
+    pub lookup: PatchLookup,
+}

@@ -1,0 +1,311 @@
+//! The item buffer of one side: which polygon is nearest in each cell.
+//!
+//! Cells are stored in 8 x 8 tiles. Nearness is 1 / depth, which is linear over a side, so a polygon
+//! is three numbers there and the nearest one has the largest. Each tile knows the smallest nearness
+//! in it: what lies beyond that everywhere cannot be seen (masked occlusion culling).
+
+/// Cells on the edge of a tile.
+const TILE: usize = 8;
+/// Cells in a tile.
+const CELLS: usize = TILE * TILE;
+/// Marks a cell through which no polygon is seen.
+pub(super) const NOTHING: u32 = u32::MAX;
+
+/// 1 / depth as a linear function of cell coordinates.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Nearness {
+    /// At the side's corner (0, 0).
+    pub base: f32,
+    /// Change from one column to the next.
+    pub dx: f32,
+    /// Change from one row to the next.
+    pub dy: f32,
+}
+
+/// The columns `from..to` of a row.
+#[derive(Clone, Copy)]
+struct Span {
+    from: f32,
+    to: f32,
+}
+
+const EMPTY: Span = Span { from: f32::INFINITY, to: f32::NEG_INFINITY };
+
+/// The buffer of one side.
+pub(super) struct Side {
+    width: usize,
+    height: usize,
+    tiles_x: usize,
+    nearness: Vec<f32>,
+    item: Vec<u32>,
+    /// Smallest nearness in each tile; stale where `touched`.
+    farthest: Vec<f32>,
+    touched: Vec<bool>,
+    spans: Vec<Span>,
+}
+
+impl Side {
+    pub fn new(width: u32, height: u32) -> Self {
+        let (width, height) = (width as usize, height as usize);
+        let (tiles_x, tiles_y) = (width.div_ceil(TILE), height.div_ceil(TILE));
+        let tiles = tiles_x * tiles_y;
+        Self {
+            width,
+            height,
+            tiles_x,
+            nearness: vec![0.0; tiles * CELLS],
+            item: vec![NOTHING; tiles * CELLS],
+            farthest: vec![0.0; tiles],
+            touched: vec![false; tiles],
+            spans: vec![EMPTY; height],
+        }
+    }
+
+    /// Forgets everything drawn. Cells of the last tiles that stick out of the side count as covered.
+    pub fn clear(&mut self) {
+        self.item.fill(NOTHING);
+        self.farthest.fill(0.0);
+        self.touched.fill(false);
+        self.nearness.fill(0.0);
+        if !self.width.is_multiple_of(TILE) || !self.height.is_multiple_of(TILE) {
+            for (i, n) in self.nearness.iter_mut().enumerate() {
+                let (tile, cell) = (i / CELLS, i % CELLS);
+                let x = tile % self.tiles_x * TILE + cell % TILE;
+                let y = tile / self.tiles_x * TILE + cell / TILE;
+                if x >= self.width || y >= self.height {
+                    *n = f32::INFINITY;
+                }
+            }
+        }
+    }
+
+    pub fn width(&self) -> f32 {
+        self.width as f32
+    }
+
+    pub fn height(&self) -> f32 {
+        self.height as f32
+    }
+
+    /// Calls `visit(x, y, items, nearness)` for each run of eight (or fewer, at the right edge)
+    /// cells of a row, tile by tile.
+    pub fn for_each_row(&self, mut visit: impl FnMut(usize, usize, &[u32], &[f32])) {
+        for (tile, (items, near)) in
+            self.item.chunks_exact(CELLS).zip(self.nearness.chunks_exact(CELLS)).enumerate()
+        {
+            let (x, y) = (tile % self.tiles_x * TILE, tile / self.tiles_x * TILE);
+            let columns = TILE.min(self.width - x);
+            for row in 0..TILE.min(self.height - y) {
+                let cells = row * TILE..row * TILE + columns;
+                visit(x, y + row, &items[cells.clone()], &near[cells]);
+            }
+        }
+    }
+
+    /// Whether something at least as near as `nearness` covers every cell of the rectangle (cell
+    /// coordinates, low and high corner).
+    pub fn covered(&mut self, low: [f32; 2], high: [f32; 2], nearness: f32) -> bool {
+        // `as` saturates and maps NaN to 0, so any input gives a range inside the side.
+        let tile = |v: f32, tiles: usize| (v.max(0.0) as usize / TILE).min(tiles - 1);
+        let tiles_y = self.height.div_ceil(TILE);
+        for ty in tile(low[1], tiles_y)..=tile(high[1], tiles_y) {
+            for tx in tile(low[0], self.tiles_x)..=tile(high[0], self.tiles_x) {
+                if self.farthest(ty * self.tiles_x + tx) < nearness {
+                    return false;
+                }
+            }
+        }
+        true
+    }
+
+    fn farthest(&mut self, tile: usize) -> f32 {
+        if self.touched[tile] {
+            self.touched[tile] = false;
+            let cells = &self.nearness[tile * CELLS..][..CELLS];
+            let mut lanes = [f32::INFINITY; TILE];
+            for row in cells.chunks_exact(TILE) {
+                for (lane, n) in lanes.iter_mut().zip(row) {
+                    *lane = lane.min(*n);
+                }
+            }
+            self.farthest[tile] = lanes.into_iter().fold(f32::INFINITY, f32::min);
+        }
+        self.farthest[tile]
+    }
+
+    /// Draws a convex polygon with corners in cell coordinates, inside the side. A cell belongs to
+    /// it if the cell's centre does; centres on an edge go to the polygon on its right.
+    pub fn fill(&mut self, corners: &[[f32; 2]], nearness: Nearness, item: u32) {
+        let Some((top, bottom)) = self.scan(corners) else { return };
+        let mut y = top;
+        while y < bottom {
+            let next = ((y / TILE + 1) * TILE).min(bottom);
+            self.fill_tile_row(y, next, nearness, item);
+            y = next;
+        }
+    }
+
+    /// Finds the span of each row; returns the rows that may have one.
+    fn scan(&mut self, corners: &[[f32; 2]]) -> Option<(usize, usize)> {
+        let first_row = |y: f32| (y - 0.5).ceil().clamp(0.0, self.height as f32) as usize;
+        let (mut low, mut high) = (f32::INFINITY, f32::NEG_INFINITY);
+        for c in corners {
+            low = low.min(c[1]);
+            high = high.max(c[1]);
+        }
+        let (top, bottom) = (first_row(low), first_row(high));
+        if top >= bottom {
+            return None;
+        }
+        self.spans[top..bottom].fill(EMPTY);
+        let mut from = corners[corners.len() - 1];
+        for &to in corners {
+            // From the lower to the higher end, so that neighbours compute the same crossings.
+            let (a, b) = if (from[1], from[0]) <= (to[1], to[0]) { (from, to) } else { (to, from) };
+            let (y0, y1) = (first_row(a[1]), first_row(b[1]));
+            if y0 < y1 {
+                let slope = (b[0] - a[0]) / (b[1] - a[1]);
+                for (y, span) in (y0..y1).zip(&mut self.spans[y0..y1]) {
+                    let x = a[0] + (y as f32 + 0.5 - a[1]) * slope;
+                    span.from = span.from.min(x);
+                    span.to = span.to.max(x);
+                }
+            }
+            from = to;
+        }
+        Some((top, bottom))
+    }
+
+    /// Fills the rows `y0..y1` of one row of tiles.
+    fn fill_tile_row(&mut self, y0: usize, y1: usize, nearness: Nearness, item: u32) {
+        let mut columns = [(0i32, 0i32); TILE];
+        let (mut left, mut right) = (i32::MAX, i32::MIN);
+        let edge = |x: f32| (x - 0.5).ceil().clamp(0.0, self.width as f32) as i32;
+        for (c, span) in columns.iter_mut().zip(&self.spans[y0..y1]) {
+            *c = (edge(span.from), edge(span.to));
+            if c.0 < c.1 {
+                left = left.min(c.0);
+                right = right.max(c.1);
+            }
+        }
+        if left >= right {
+            return;
+        }
+        let tiles = left as usize / TILE..=(right as usize - 1) / TILE;
+        for tx in tiles {
+            let tile = y0 / TILE * self.tiles_x + tx;
+            let x0 = (tx * TILE) as i32;
+            let mut changed = false;
+            for (y, &(from, to)) in (y0..y1).zip(&columns) {
+                let cell = tile * CELLS + y % TILE * TILE;
+                let at_row = nearness.base + nearness.dy * (y as f32 + 0.5);
+                let near: &mut [f32; TILE] =
+                    (&mut self.nearness[cell..cell + TILE]).try_into().expect("eight cells");
+                let items: &mut [u32; TILE] =
+                    (&mut self.item[cell..cell + TILE]).try_into().expect("eight cells");
+                changed |= fill_row(near, items, x0, from, to, at_row, nearness.dx, item);
+            }
+            self.touched[tile] |= changed;
+        }
+    }
+}
+
+/// Draws into eight cells; written without branches so that it becomes vector code.
+#[allow(clippy::too_many_arguments)]
+#[inline(always)]
+fn fill_row(
+    near: &mut [f32; TILE],
+    items: &mut [u32; TILE],
+    x0: i32,
+    from: i32,
+    to: i32,
+    at_row: f32,
+    dx: f32,
+    item: u32,
+) -> bool {
+    let mut changed = 0u32;
+    for lane in 0..TILE {
+        let x = x0 + lane as i32;
+        let n = at_row + dx * (x as f32 + 0.5);
+        let take = (x >= from) & (x < to) & (n > near[lane]);
+        near[lane] = if take { n } else { near[lane] };
+        items[lane] = if take { item } else { items[lane] };
+        changed |= u32::from(take);
+    }
+    changed != 0
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const FLAT: Nearness = Nearness { base: 1.0, dx: 0.0, dy: 0.0 };
+
+    fn cells(side: &Side) -> Vec<Vec<u32>> {
+        let mut rows = vec![vec![NOTHING; side.width]; side.height];
+        side.for_each_row(|x, y, items, _| rows[y][x..x + items.len()].copy_from_slice(items));
+        rows
+    }
+
+    #[test]
+    fn polygons_that_share_edges_cover_each_cell_once() {
+        // A fan of triangles around an off-grid point, drawn at equal nearness: the first to reach
+        // a cell keeps it, so overlap would show as a missing cell when drawn in reverse order.
+        let rim = [[0.0, 0.0], [20.0, 0.0], [20.0, 7.3], [20.0, 13.0], [0.0, 13.0], [0.0, 5.1]];
+        let hub = [7.77, 6.31];
+        let draw = |reverse: bool| {
+            let mut side = Side::new(20, 13);
+            side.clear();
+            for k in 0..rim.len() {
+                let i = if reverse { rim.len() - 1 - k } else { k };
+                side.fill(&[hub, rim[i], rim[(i + 1) % rim.len()]], FLAT, i as u32);
+            }
+            cells(&side)
+        };
+        let forth = draw(false);
+        assert!(forth.iter().flatten().all(|&i| i != NOTHING));
+        assert_eq!(forth, draw(true));
+    }
+
+    #[test]
+    fn the_nearer_polygon_wins_whatever_the_order() {
+        let quad = [[0.0, 0.0], [16.0, 0.0], [16.0, 16.0], [0.0, 16.0]];
+        let slope = Nearness { base: 0.0, dx: 0.125, dy: 0.0 };
+        for order in [[0, 1], [1, 0]] {
+            let mut side = Side::new(16, 16);
+            side.clear();
+            for i in order {
+                side.fill(&quad, if i == 0 { FLAT } else { slope }, i);
+            }
+            for row in cells(&side) {
+                assert!(row[..8].iter().all(|&i| i == 0) && row[8..].iter().all(|&i| i == 1));
+            }
+        }
+    }
+
+    #[test]
+    fn coverage_needs_every_cell() {
+        let mut side = Side::new(20, 12);
+        side.clear();
+        side.fill(&[[0.0, 0.0], [19.0, 0.0], [19.0, 12.0], [0.0, 12.0]], FLAT, 0);
+        assert!(side.covered([0.0, 0.0], [15.0, 11.0], 0.9));
+        assert!(!side.covered([0.0, 0.0], [15.0, 11.0], 1.1));
+        assert!(!side.covered([0.0, 0.0], [19.0, 11.0], 0.9));
+        side.fill(&[[19.0, 0.0], [20.0, 0.0], [20.0, 12.0], [19.0, 12.0]], FLAT, 0);
+        assert!(side.covered([f32::NEG_INFINITY, -3.0], [f32::INFINITY, 99.0], 0.9));
+    }
+
+    #[test]
+    fn wild_coordinates_do_no_harm() {
+        let mut side = Side::new(10, 10);
+        side.clear();
+        let (nan, inf) = (f32::NAN, f32::INFINITY);
+        side.fill(&[[nan, nan], [1.0, inf], [-inf, 3.0]], FLAT, 0);
+        side.fill(
+            &[[-inf, -inf], [inf, -inf], [inf, inf]],
+            Nearness { base: nan, dx: inf, dy: 0.0 },
+            1,
+        );
+        side.covered([nan, nan], [nan, inf], 1.0);
+    }
+}

@@ -1,0 +1,218 @@
+//! Sparse rows of form factors: which share of a patch's view each other patch fills.
+
+use super::hemicube::{Cells, DeltaFormFactors, HemicubeSize, ItemBuffer, View};
+use crate::patch::{PatchId, PatchSet, PolygonPatches};
+use crate::scene::Tracer;
+use glam::{DVec3, Vec3, Vec4};
+use rayon::prelude::*;
+
+/// Rows computed, and stored, as one piece.
+const CHUNK: usize = 256;
+
+/// Form factors `F_ij`: the share of the hemisphere above patch i (cosine-weighted) in which patch j
+/// is seen from its front. Rows sum to 1 in a closed room.
+#[derive(Default)]
+pub struct Transfers {
+    chunks: Vec<Chunk>,
+}
+
+#[derive(Default)]
+struct Chunk {
+    ends: Vec<u32>,
+    columns: Vec<u32>,
+    weights: Vec<f32>,
+}
+
+impl Transfers {
+    /// Draws a hemicube at every patch. `advance(n)` is told of every n patches done.
+    pub fn compute(
+        tracer: &Tracer,
+        patches: &PatchSet,
+        size: HemicubeSize,
+        advance: impl Fn(u64) + Sync,
+    ) -> Self {
+        let delta = DeltaFormFactors::new(size);
+        let count = patches.patches.len();
+        let chunks = (0..count.div_ceil(CHUNK))
+            .into_par_iter()
+            .map_init(
+                || Gatherer::new(tracer, patches, &delta, size),
+                |gatherer, chunk| {
+                    let mut rows = Chunk::default();
+                    let members = chunk * CHUNK..((chunk + 1) * CHUNK).min(count);
+                    let done = members.len() as u64;
+                    for i in members {
+                        let patch = &patches.patches[i];
+                        let view = View::turned(patch.eye, patch.normal, i as u64);
+                        for &(j, f) in gatherer.row(&view) {
+                            rows.columns.push(j.0);
+                            rows.weights.push(f as f32);
+                        }
+                        rows.ends.push(rows.columns.len() as u32);
+                    }
+                    advance(done);
+                    rows
+                },
+            )
+            .collect();
+        Self { chunks }
+    }
+
+    /// Number of rows.
+    pub fn rows(&self) -> usize {
+        self.chunks.iter().map(|c| c.ends.len()).sum()
+    }
+
+    /// Number of form factors stored.
+    pub fn len(&self) -> usize {
+        self.chunks.iter().map(|c| c.weights.len()).sum()
+    }
+
+    /// Whether no patch sees another.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// What patch `row` sees: patch indices, ascending, and their form factors.
+    pub fn row(&self, row: usize) -> (&[u32], &[f32]) {
+        let chunk = &self.chunks[row / CHUNK];
+        let i = row % CHUNK;
+        let from = if i == 0 { 0 } else { chunk.ends[i - 1] as usize };
+        let to = chunk.ends[i] as usize;
+        (&chunk.columns[from..to], &chunk.weights[from..to])
+    }
+
+    /// Irradiance at each patch when patch j has exitance `exitance[j]`: E_i = sum_j F_ij M_j.
+    pub fn gather(&self, exitance: &[DVec3]) -> Vec<DVec3> {
+        (0..self.rows())
+            .into_par_iter()
+            .with_min_len(64)
+            .map(|i| {
+                let (columns, weights) = self.row(i);
+                columns
+                    .iter()
+                    .zip(weights)
+                    .fold(DVec3::ZERO, |sum, (&j, &f)| sum + exitance[j as usize] * f64::from(f))
+            })
+            .collect()
+    }
+}
+
+/// Turns hemicubes into sums over patches. Holds the buffers that are reused.
+pub struct Gatherer<'a> {
+    tracer: &'a Tracer,
+    patches: &'a PatchSet,
+    delta: &'a DeltaFormFactors,
+    buffer: ItemBuffer,
+    /// Sum for each patch; zero outside a call of `row`.
+    sums: Vec<f64>,
+    row: Vec<(PatchId, f64)>,
+}
+
+impl<'a> Gatherer<'a> {
+    /// `delta` must be of the same `size`.
+    pub fn new(
+        tracer: &'a Tracer,
+        patches: &'a PatchSet,
+        delta: &'a DeltaFormFactors,
+        size: HemicubeSize,
+    ) -> Self {
+        Self {
+            tracer,
+            patches,
+            delta,
+            buffer: ItemBuffer::new(size),
+            sums: vec![0.0; patches.patches.len()],
+            row: Vec::new(),
+        }
+    }
+
+    /// Form factors from the point of `view` to all patches seen, in ascending order of patch.
+    pub fn row(&mut self, view: &View) -> &[(PatchId, f64)] {
+        self.buffer.draw(self.tracer, view);
+        self.row.clear();
+        let (sums, row) = (&mut self.sums, &mut self.row);
+        for_each_patch(&self.buffer, self.tracer, self.patches, self.delta, view, |patch, f| {
+            let sum = &mut sums[patch.0 as usize];
+            if *sum == 0.0 {
+                row.push((patch, 0.0));
+            }
+            *sum += f64::from(f);
+        });
+        row.sort_unstable_by_key(|&(patch, _)| patch);
+        for (patch, f) in row.iter_mut() {
+            *f = std::mem::take(&mut sums[patch.0 as usize]);
+        }
+        row
+    }
+
+    /// Irradiance at the point of `view` when patch j has exitance `exitance[j]`.
+    pub fn irradiance(&mut self, view: &View, exitance: &[Vec<Vec3>], out: &mut Vec<DVec3>) {
+        out.clear();
+        out.resize(exitance.len(), DVec3::ZERO);
+        for &(patch, f) in self.row(view) {
+            for (sum, style) in out.iter_mut().zip(exitance) {
+                *sum += style[patch.0 as usize].as_dvec3() * f;
+            }
+        }
+    }
+}
+
+/// Calls `visit(patch, form factor)` for every cell or run of cells that shows the front of a patch.
+fn for_each_patch(
+    buffer: &ItemBuffer,
+    tracer: &Tracer,
+    patches: &PatchSet,
+    delta: &DeltaFormFactors,
+    view: &View,
+    mut visit: impl FnMut(PatchId, f32),
+) {
+    let size = buffer.size();
+    buffer.for_each_row(|cells| {
+        let weights = &delta.of(cells.side)[(cells.y * size.width() + cells.x) as usize..];
+        let mut from = 0;
+        while from < cells.items.len() {
+            let item = cells.items[from];
+            let run = cells.items[from..].iter().take_while(|&&i| i == item).count();
+            let (first, to) = (from, from + run);
+            from = to;
+            if item == Cells::NOTHING {
+                continue;
+            }
+            let division = patches.lookup.polygon(item);
+            if matches!(division, PolygonPatches::None) {
+                continue;
+            }
+            let polygon = &tracer.polygons()[item as usize];
+            if polygon.normal.dot(view.position - polygon.vertices[0]) <= 0.0 {
+                continue;
+            }
+            match division {
+                PolygonPatches::None => {}
+                PolygonPatches::Whole(patch) => {
+                    visit(*patch, weights[first..to].iter().sum());
+                }
+                PolygonPatches::Grid(grid) => {
+                    // Luxel coordinates along the ray: at the eye, plus direction / nearness.
+                    let [a, b, c] = view.axes(cells.side);
+                    let at = size.cell_centre(cells.side, cells.x, cells.y);
+                    let next = size.cell_centre(cells.side, cells.x + 1, cells.y).x - at.x;
+                    let start = c + b * at.y + a * at.x;
+                    let linear = |row: Vec4| {
+                        let r = row.truncate();
+                        (r.dot(view.position) + row.w, r.dot(start), r.dot(a) * next)
+                    };
+                    let (s, t) = (linear(grid.s_row), linear(grid.t_row));
+                    for i in first..to {
+                        let depth = 1.0 / cells.nearness[i];
+                        let patch = grid.at(
+                            s.0 + (s.1 + s.2 * i as f32) * depth,
+                            t.0 + (t.1 + t.2 * i as f32) * depth,
+                        );
+                        visit(patch, weights[i]);
+                    }
+                }
+            }
+        }
+    });
+}
