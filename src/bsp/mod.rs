@@ -4,6 +4,17 @@
 //! Reading never panics: every index is checked once, here, so that the rest may index freely.
 //! Writing keeps every lump that was not changed byte for byte.
 
+mod bspx;
+mod cursor;
+mod decode;
+mod encode;
+mod file;
+mod header;
+mod miptex;
 mod records;
+mod validate;
 
+pub use bspx::{BspxLump, LIGHTING_LUMPS};
+pub use file::Bsp;
+pub use miptex::MipTex;
 pub use records::{Face, Format, Leaf, Model, Node, Plane, TexInfo};
