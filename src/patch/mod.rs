@@ -1,8 +1,11 @@
 //! Patches: the pieces of surface between which light is exchanged.
 
 mod lookup;
+mod polygon2;
+mod subdivide;
 
 pub use lookup::{PatchGrid, PatchLookup, PolygonPatches};
+pub use subdivide::MapPatches;
 
 use crate::photometry::Reflectance;
 use glam::Vec3;

@@ -1,9 +1,8 @@
-//! Solving the radiosity equation M_i = M0_i + rho_i sum_j F_ij M_j by passes of gathering.
+//! Solving the radiosity equation M_i = E_i + rho_i (D_i + sum_j F_ij M_j) by passes of gathering.
 
 use super::transfers::Transfers;
-use crate::photometry::{Exitance, Reflectance};
+use crate::photometry::{Exitance, Irradiance, Reflectance};
 use glam::DVec3;
-use rayon::prelude::*;
 
 /// When to stop.
 #[derive(Clone, Copy, Debug)]
@@ -14,10 +13,19 @@ pub struct Limits {
     pub residual: f64,
 }
 
+/// Light at the patches of a scene before any bounce.
+#[derive(Clone, Copy, Debug)]
+pub struct Sources<'a> {
+    /// What each patch emits itself.
+    pub emission: &'a [Exitance],
+    /// Irradiance of each patch from lights that are not patches; empty for none.
+    pub direct: &'a [Irradiance],
+}
+
 /// Final exitance of one light style.
 #[derive(Clone, Debug)]
 pub struct Solution {
-    /// Exitance of each patch, initial exitance included.
+    /// Exitance of each patch: emission and what it reflects.
     pub exitance: Vec<Exitance>,
     /// Passes made.
     pub passes: u32,
@@ -27,33 +35,41 @@ pub struct Solution {
     pub settled: bool,
 }
 
-/// Sends the initial exitance on, pass by pass: what a patch reflects in one pass is what it sends
-/// in the next. Sums run in a fixed order in double precision, so the bytes do not depend on the
-/// number of threads. `reflectance` below 1 makes it converge.
+/// Sends the light on, pass by pass: what a patch reflects in one pass is what it sends in the next.
+/// Sums run in a fixed order in double precision, so the bytes do not depend on the number of
+/// threads. `reflectance` below 1 makes it converge.
 pub fn solve(
     transfers: &Transfers,
     reflectance: &[Reflectance],
-    initial: &[Exitance],
+    sources: Sources<'_>,
     limits: Limits,
 ) -> Solution {
-    let mut total: Vec<DVec3> = initial.iter().map(|m| m.0.as_dvec3()).collect();
+    let mut total: Vec<DVec3> = sources.emission.iter().map(|m| m.0.as_dvec3()).collect();
     let mut unsent = total.clone();
+    // Irradiance that the next pass reflects besides what the patches send each other.
+    let mut direct: Vec<DVec3> = sources.direct.iter().map(|e| e.0.as_dvec3()).collect();
     let mut passes = 0;
     loop {
-        let (left, all) = (largest(&unsent), largest(&total));
+        let left = largest(&unsent).max(largest(&direct));
+        let all = largest(&total).max(left);
         let residual = if all > 0.0 { left / all } else { 0.0 };
         let settled = residual <= limits.residual;
         if settled || limits.passes.is_some_and(|n| passes >= n) {
             let exitance = total.into_iter().map(|m| Exitance(m.as_vec3())).collect();
             return Solution { exitance, passes, residual, settled };
         }
-        unsent = transfers.gather(&unsent);
-        unsent.par_iter_mut().zip(&mut total).zip(reflectance).with_min_len(1024).for_each(
-            |((m, total), rho)| {
-                *m *= rho.0.as_dvec3();
-                *total += *m;
-            },
-        );
+        unsent = if largest(&unsent) > 0.0 {
+            transfers.gather(&unsent)
+        } else {
+            vec![DVec3::ZERO; unsent.len()]
+        };
+        for (sum, e) in unsent.iter_mut().zip(direct.drain(..)) {
+            *sum += e;
+        }
+        for ((m, total), rho) in unsent.iter_mut().zip(&mut total).zip(reflectance) {
+            *m *= rho.0.as_dvec3();
+            *total += *m;
+        }
         passes += 1;
     }
 }

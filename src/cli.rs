@@ -1,0 +1,193 @@
+//! The command line of `qrad`.
+
+use crate::lightmap::Gather;
+use crate::radiosity::hemicube::HemicubeSize;
+use crate::settings::{Settings, SurfaceLights};
+use crate::{Error, Result};
+use clap::{ArgGroup, Parser, ValueEnum};
+use clap_complete::Shell;
+use std::path::{Path, PathBuf};
+
+/// Lights a Quake map with real radiosity: run it after qbsp and vis.
+///
+/// `qrad map.bsp` computes direct light as ericw-tools' light does, bounces it between the surfaces of
+/// the map, and writes the lightmaps back into map.bsp (and map.lit when the light has colour).
+/// `qrad --patches scene.txt` does the bouncing for a plain-text scene of quads.
+#[derive(Debug, Parser)]
+#[command(name = "qrad", version, max_term_width = 100)]
+#[command(group(ArgGroup::new("input").required(true).args(["map", "patches", "completions"])))]
+pub struct Cli {
+    /// The map to light, BSP29, BSP2 or 2PSB; `.bsp` may be left out
+    pub map: Option<PathBuf>,
+
+    /// Light a text scene of quads instead of a map; see docs/cornell-format.md
+    #[arg(long, value_name = "SCENE.txt")]
+    pub patches: Option<PathBuf>,
+
+    /// Write here instead of in place [text scenes: NAME-lit.txt; `-` is standard output]
+    #[arg(short, long, value_name = "FILE")]
+    pub output: Option<PathBuf>,
+
+    /// Most bounces of light; 0 is direct light only [default: until the residual is reached]
+    #[arg(long, value_name = "N", help_heading = "Bounced light")]
+    pub bounces: Option<u32>,
+
+    /// Share of the light that may be left when bouncing ends
+    #[arg(long, value_name = "SHARE", default_value_t = 1e-5, help_heading = "Bounced light")]
+    pub residual: f64,
+
+    /// Edge of a hemicube in cells, even: more is finer and slower
+    #[arg(long, value_name = "CELLS", default_value_t = 64, help_heading = "Bounced light")]
+    pub hemicube: u32,
+
+    /// Longest edge of a patch in luxels (one luxel is 16 units)
+    #[arg(long, value_name = "LUXELS", default_value_t = 4, help_heading = "Bounced light")]
+    pub patch_size: u32,
+
+    /// How bounced light gets from patches to luxels
+    #[arg(long, value_enum, default_value_t, help_heading = "Bounced light")]
+    pub gather: GatherArg,
+
+    /// Factor on how much light textures send back
+    #[arg(long, value_name = "FACTOR", default_value_t = 1.0, help_heading = "Materials")]
+    pub reflectance_scale: f32,
+
+    /// Ignore the colour of textures: every surface sends back half the light
+    #[arg(long, help_heading = "Materials")]
+    pub grey: bool,
+
+    /// WAD file with textures that the map does not contain; may be given more than once
+    #[arg(long, value_name = "FILE.wad", help_heading = "Materials")]
+    pub wad: Vec<PathBuf>,
+
+    /// How `_surface` lights shine
+    #[arg(long, value_enum, default_value_t, help_heading = "Materials")]
+    pub surface_lights: SurfaceLightsArg,
+
+    /// Write the lightmaps as pictures, one PNG a light style, and index.csv, into a folder
+    #[arg(long, value_name = "DIR", help_heading = "Pictures")]
+    pub dump_lightmaps: Option<PathBuf>,
+
+    /// Draw the lit map
+    #[arg(long, value_name = "OUT.png", help_heading = "Pictures")]
+    pub preview: Option<PathBuf>,
+
+    /// Camera of the preview: eye and angles, pitch down [default: the player's start]
+    #[arg(
+        long,
+        value_name = "X,Y,Z,PITCH,YAW",
+        allow_hyphen_values = true,
+        requires = "preview",
+        help_heading = "Pictures"
+    )]
+    pub camera: Option<String>,
+
+    /// Size of the preview in pixels
+    #[arg(
+        long,
+        value_name = "WIDTHxHEIGHT",
+        default_value = "1024x768",
+        requires = "preview",
+        help_heading = "Pictures"
+    )]
+    pub preview_size: String,
+
+    /// Threads to use; the result does not depend on it [default: all cores]
+    #[arg(long, value_name = "N")]
+    pub threads: Option<usize>,
+
+    /// Print nothing but errors
+    #[arg(short, long)]
+    pub quiet: bool,
+
+    /// Print what is done in detail
+    #[arg(short, long, conflicts_with = "quiet")]
+    pub verbose: bool,
+
+    /// Print a completion script for a shell
+    #[arg(long, value_name = "SHELL")]
+    pub completions: Option<Shell>,
+}
+
+/// Spelling of [`Gather`].
+#[derive(Clone, Copy, Debug, Default, ValueEnum)]
+pub enum GatherArg {
+    /// Between the patches around a luxel: fast
+    #[default]
+    Interpolate,
+    /// A hemicube at every luxel: slow, sharpest
+    Luxel,
+}
+
+/// Spelling of [`SurfaceLights`].
+#[derive(Clone, Copy, Debug, Default, ValueEnum)]
+pub enum SurfaceLightsArg {
+    /// As point lights in front of the surface, like light does
+    #[default]
+    Points,
+    /// As true area light
+    Area,
+}
+
+impl Cli {
+    /// The settings of a map run.
+    ///
+    /// # Errors
+    /// When an option is out of range.
+    pub fn settings(&self) -> Result<Settings> {
+        Settings {
+            hemicube: HemicubeSize::new(self.hemicube, self.hemicube)?,
+            patch_size: self.patch_size,
+            bounces: self.bounces,
+            residual: self.residual,
+            gather: match self.gather {
+                GatherArg::Interpolate => Gather::Interpolate,
+                GatherArg::Luxel => Gather::Luxel,
+            },
+            reflectance_scale: self.reflectance_scale,
+            grey: self.grey,
+            surface_lights: match self.surface_lights {
+                SurfaceLightsArg::Points => SurfaceLights::Points,
+                SurfaceLightsArg::Area => SurfaceLights::Area,
+            },
+        }
+        .checked()
+    }
+
+    /// The `--camera` numbers: eye x, y, z, pitch, yaw.
+    ///
+    /// # Errors
+    /// When they are not five finite numbers.
+    pub fn camera(&self) -> Result<Option<[f32; 5]>> {
+        let Some(text) = &self.camera else { return Ok(None) };
+        let numbers: Option<Vec<f32>> = text
+            .split([',', ' '])
+            .filter(|t| !t.is_empty())
+            .map(|t| t.parse().ok().filter(|v: &f32| v.is_finite()))
+            .collect();
+        numbers.and_then(|n| n.try_into().ok()).map(Some).ok_or_else(|| {
+            Error::setting("--camera", format!("{text:?}: give five numbers, x,y,z,pitch,yaw"))
+        })
+    }
+
+    /// Width and height of the preview, from 1 to 8192.
+    ///
+    /// # Errors
+    /// When the option is not two such numbers with an x between.
+    pub fn preview_size(&self) -> Result<[u32; 2]> {
+        self.preview_size
+            .split_once('x')
+            .and_then(|(w, h)| Some([w.parse().ok()?, h.parse().ok()?]))
+            .filter(|size| size.iter().all(|n| (1..=8192).contains(n)))
+            .ok_or_else(|| {
+                let problem = format!("{:?}: give WIDTHxHEIGHT, each 1 to 8192", self.preview_size);
+                Error::setting("--preview-size", problem)
+            })
+    }
+}
+
+/// `path`, or `path.bsp` if it names no file and that does.
+pub fn map_path(path: &Path) -> PathBuf {
+    let with = PathBuf::from(format!("{}.bsp", path.display()));
+    if !path.exists() && with.exists() { with } else { path.to_path_buf() }
+}

@@ -1,0 +1,214 @@
+//! From light to stored levels, in the order of the reference compiler (its section 3.6).
+
+use super::StyleMap;
+use crate::photometry::Irradiance;
+use glam::Vec3;
+
+/// Styles that a face can store.
+const MOST_STYLES: usize = 4;
+
+/// Worldspawn settings for the whole map.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FinishSettings {
+    /// Stored level per light unit (`_range`), at least 0; 0.5 by default.
+    pub range: f32,
+    /// Output gamma, above 0; 1 by default.
+    pub gamma: f32,
+    /// Cap on the largest channel, in half light units; 0 is none.
+    pub max_light: f32,
+}
+
+impl Default for FinishSettings {
+    fn default() -> Self {
+        Self { range: 0.5, gamma: 1.0, max_light: 0.0 }
+    }
+}
+
+/// One stored lightmap.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FinishedStyle {
+    /// Light style.
+    pub style: u8,
+    /// RGB level of each luxel, row by row.
+    pub levels: Vec<[u8; 3]>,
+}
+
+/// The lightmaps of a face, brightest on average first, at most four.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct FinishedFace {
+    /// What is stored.
+    pub styles: Vec<FinishedStyle>,
+    /// Whether any map, even a dropped one, has colour.
+    pub coloured: bool,
+    /// Maps that found no place.
+    pub dropped: u32,
+}
+
+/// Scales, fills in luxels inside solid from their neighbours, selects styles and converts to bytes.
+/// `occluded` tells for each luxel whether it is inside solid; rows are `width` long.
+pub fn finish(
+    maps: Vec<StyleMap>,
+    occluded: &[bool],
+    width: usize,
+    settings: FinishSettings,
+) -> FinishedFace {
+    let mut face = FinishedFace::default();
+    // (average brightness, style, light)
+    let mut kept: Vec<(f32, u8, Vec<Vec3>)> = Vec::new();
+    for map in maps {
+        let mut light: Vec<Vec3> = map.light.iter().map(|&e| scale(e, settings)).collect();
+        face.coloured |=
+            light.iter().any(|c| (c.y - c.x).abs() > 0.001 || (c.z - c.x).abs() > 0.001);
+        let brightest = light.iter().map(|c| brightness(*c)).fold(0.0, f32::max);
+        let Ok(style @ 0..=254) = u8::try_from(map.style) else {
+            face.dropped += 1;
+            continue;
+        };
+        if brightest < 1.0 {
+            continue;
+        }
+        let average = light.iter().map(|c| brightness(*c)).sum::<f32>() / light.len() as f32;
+        flood_fill(&mut light, occluded, width);
+        kept.push((average, style, light));
+    }
+    // Stable on the reversed list: of equals, the one made later goes first.
+    kept.reverse();
+    kept.sort_by(|a, b| b.0.total_cmp(&a.0));
+    face.dropped += kept.len().saturating_sub(MOST_STYLES) as u32;
+    face.styles = kept
+        .into_iter()
+        .take(MOST_STYLES)
+        .map(|(_, style, light)| FinishedStyle {
+            style,
+            levels: light.into_iter().map(level).collect(),
+        })
+        .collect();
+    face
+}
+
+fn brightness(c: Vec3) -> f32 {
+    (c.x + c.y + c.z) / 3.0
+}
+
+/// Light units to levels, not yet limited to 255.
+fn scale(e: Irradiance, settings: FinishSettings) -> Vec3 {
+    // `max` would keep -0 and drop NaN: both are wanted here.
+    let mut c = e.0.max(Vec3::ZERO);
+    if settings.max_light > 0.0 && c.max_element() > 2.0 * settings.max_light {
+        c *= 2.0 * settings.max_light / c.max_element();
+    }
+    c *= settings.range;
+    if settings.gamma != 1.0 {
+        c = Vec3::from_array(
+            c.to_array().map(|v| (v / 255.0).powf(1.0 / settings.gamma) * 255.0),
+        );
+    }
+    c
+}
+
+/// Limits to 255 keeping the hue, and truncates.
+fn level(c: Vec3) -> [u8; 3] {
+    let max = c.max_element();
+    let c = if max > 255.0 { c * (255.0 / max) } else { c };
+    c.to_array().map(|v| v as u8)
+}
+
+/// Gives occluded luxels the mean of their filled neighbours, scan after scan, each fill being
+/// visible at once to those after it. A face with no free luxel stays as it is.
+fn flood_fill(light: &mut [Vec3], occluded: &[bool], width: usize) {
+    let mut empty = occluded.to_vec();
+    let height = light.len() / width.max(1);
+    loop {
+        let left = empty.iter().filter(|&&e| e).count();
+        if left == 0 || left == empty.len() {
+            return;
+        }
+        for y in 0..height {
+            for x in 0..width {
+                if !empty[y * width + x] {
+                    continue;
+                }
+                let (mut sum, mut count) = (Vec3::ZERO, 0);
+                for v in y.saturating_sub(1)..(y + 2).min(height) {
+                    for u in x.saturating_sub(1)..(x + 2).min(width) {
+                        if !empty[v * width + u] {
+                            sum += light[v * width + u];
+                            count += 1;
+                        }
+                    }
+                }
+                if count > 0 {
+                    light[y * width + x] = sum / count as f32;
+                    empty[y * width + x] = false;
+                }
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn map(style: u16, levels: &[f32]) -> StyleMap {
+        let light = levels.iter().map(|&v| Irradiance(Vec3::splat(v))).collect();
+        StyleMap { style, light }
+    }
+
+    fn plain(maps: Vec<StyleMap>) -> FinishedFace {
+        let n = maps[0].light.len();
+        finish(maps, &vec![false; n], n, FinishSettings::default())
+    }
+
+    #[test]
+    fn levels_are_halved_truncated_and_never_negative() {
+        let face = plain(vec![map(0, &[3.9, -5.0, 100.0])]);
+        assert_eq!(face.styles[0].levels, [[1; 3], [0; 3], [50; 3]]);
+        assert!(!face.coloured);
+    }
+
+    #[test]
+    fn overbright_light_keeps_its_hue() {
+        let light = vec![Irradiance(Vec3::new(1020.0, 510.0, 0.0))];
+        let face = plain(vec![StyleMap { style: 0, light }]);
+        assert_eq!(face.styles[0].levels, [[255, 127, 0]]);
+        assert!(face.coloured);
+    }
+
+    #[test]
+    fn dim_styles_go_and_the_brightest_four_stay_in_order() {
+        let maps = (0..7).map(|i| map(i, &[f32::from(i) * 1.9])).collect();
+        let face = plain(maps);
+        let styles: Vec<u8> = face.styles.iter().map(|s| s.style).collect();
+        assert_eq!(styles, [6, 5, 4, 3]);
+        assert_eq!(face.dropped, 1, "style 2 has no place, 0 and 1 are too dim to count");
+    }
+
+    #[test]
+    fn of_equal_styles_the_later_goes_first() {
+        let face = plain(vec![map(3, &[10.0]), map(1, &[10.0])]);
+        assert_eq!(face.styles[0].style, 1);
+    }
+
+    #[test]
+    fn styles_that_do_not_fit_a_byte_are_dropped() {
+        assert!(plain(vec![map(255, &[10.0])]).styles.is_empty());
+        assert!(plain(vec![map(300, &[10.0])]).styles.is_empty());
+    }
+
+    #[test]
+    fn occluded_luxels_are_filled_from_neighbours() {
+        let maps = vec![map(0, &[40.0, 0.0, 0.0, 80.0])];
+        let face = finish(maps, &[false, true, true, false], 4, FinishSettings::default());
+        // The second fill already sees the first.
+        assert_eq!(face.styles[0].levels, [[20; 3], [20; 3], [30; 3], [40; 3]]);
+    }
+
+    #[test]
+    fn max_light_and_gamma() {
+        let s = FinishSettings { range: 1.0, gamma: 2.0, max_light: 32.0 };
+        let face = finish(vec![map(0, &[255.0, 16.0])], &[false; 2], 2, s);
+        // 255 is capped to 64: 255 * sqrt(64 / 255) = 127.7; 16 gives 63.87.
+        assert_eq!(face.styles[0].levels, [[127; 3], [63; 3]]);
+    }
+}

@@ -1,0 +1,53 @@
+//! Files that are whole or not there: written beside their place under another name, then renamed.
+
+use crate::{Error, Result};
+use image::{ImageFormat, RgbImage};
+use std::io::{Cursor, Write};
+use std::path::Path;
+
+/// Replaces `path` by `bytes`. An interrupted run leaves the old file as it was.
+///
+/// # Errors
+/// When the folder cannot be written to.
+pub fn write(path: &Path, bytes: &[u8]) -> Result<()> {
+    let folder = match path.parent() {
+        Some(p) if !p.as_os_str().is_empty() => p,
+        _ => Path::new("."),
+    };
+    let mut builder = tempfile::Builder::new();
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt;
+        // Temporary files are private; a map is for everyone the umask allows.
+        builder.permissions(std::fs::Permissions::from_mode(0o666));
+    }
+    let mut file =
+        builder.prefix(".qrad-").tempfile_in(folder).map_err(Error::io("write beside", path))?;
+    file.write_all(bytes).map_err(Error::io("write", path))?;
+    file.as_file().sync_all().map_err(Error::io("write", path))?;
+    file.persist(path).map_err(|e| Error::io("rename to", path)(e.error))?;
+    Ok(())
+}
+
+/// Writes a picture as PNG.
+///
+/// # Errors
+/// When the folder cannot be written to.
+pub fn write_png(path: &Path, picture: &RgbImage) -> Result<()> {
+    let mut bytes = Cursor::new(Vec::new());
+    picture
+        .write_to(&mut bytes, ImageFormat::Png)
+        .map_err(|e| Error::format(path.display().to_string(), format!("cannot encode: {e}")))?;
+    write(path, bytes.get_ref())
+}
+
+/// Removes a file if it is there.
+///
+/// # Errors
+/// When it is there and cannot be removed.
+pub fn remove(path: &Path) -> Result<()> {
+    match std::fs::remove_file(path) {
+        Err(e) if e.kind() != std::io::ErrorKind::NotFound => Err(Error::io("remove", path)(e)),
+        _ => Ok(()),
+    }
+}

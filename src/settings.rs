@@ -1,0 +1,73 @@
+//! What the user can set, checked once and passed down from there.
+
+use crate::lightmap::Gather;
+use crate::radiosity::hemicube::HemicubeSize;
+use crate::{Error, Result};
+
+/// How emitting textures (`_surface` lights) shine.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum SurfaceLights {
+    /// As point lights in front of the surface, as the reference compiler places them.
+    #[default]
+    Points,
+    /// As area light: the patches of the surface emit.
+    Area,
+}
+
+/// Settings of a map run.
+#[derive(Clone, Debug)]
+pub struct Settings {
+    /// Cells of a hemicube.
+    pub hemicube: HemicubeSize,
+    /// Longest edge of a patch in luxels, from 1 to 256.
+    pub patch_size: u32,
+    /// Most bounces; `None` is until the residual is reached.
+    pub bounces: Option<u32>,
+    /// Bouncing ends when this share of the light is left, in (0, 1).
+    pub residual: f64,
+    /// How indirect light gets to luxels.
+    pub gather: Gather,
+    /// Factor on the reflectance of textures, 0 and up.
+    pub reflectance_scale: f32,
+    /// Ignore the colour of textures: everything reflects half the light.
+    pub grey: bool,
+    /// How surface lights shine.
+    pub surface_lights: SurfaceLights,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self {
+            hemicube: HemicubeSize::new(64, 64).expect("64 is even and in range"),
+            patch_size: 4,
+            bounces: None,
+            residual: 1e-5,
+            gather: Gather::default(),
+            reflectance_scale: 1.0,
+            grey: false,
+            surface_lights: SurfaceLights::default(),
+        }
+    }
+}
+
+impl Settings {
+    /// The settings, if every value is in its range.
+    ///
+    /// # Errors
+    /// Names the option and its range.
+    pub fn checked(self) -> Result<Self> {
+        if !(1..=256).contains(&self.patch_size) {
+            let problem = format!("{} luxels: use 1 to 256", self.patch_size);
+            return Err(Error::setting("--patch-size", problem));
+        }
+        if !(self.residual > 0.0 && self.residual < 1.0) {
+            let problem = format!("{}: use a number between 0 and 1", self.residual);
+            return Err(Error::setting("--residual", problem));
+        }
+        if !(self.reflectance_scale >= 0.0 && self.reflectance_scale.is_finite()) {
+            let problem = format!("{}: use 0 or more", self.reflectance_scale);
+            return Err(Error::setting("--reflectance-scale", problem));
+        }
+        Ok(self)
+    }
+}
