@@ -2,6 +2,7 @@
 
 pub mod bsp;
 pub mod error;
+pub mod patch;
 pub mod photometry;
 pub mod scene;
 
