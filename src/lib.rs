@@ -4,6 +4,7 @@ pub mod bsp;
 pub mod error;
 pub mod patch;
 pub mod photometry;
+pub mod render;
 pub mod scene;
 
 pub use error::{Error, Result};
