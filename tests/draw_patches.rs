@@ -62,6 +62,8 @@ fn lit_scenes_are_drawn_as_they_are_lit() {
     let scene = TextScene::parse(&scene, "s").unwrap();
     let lit = scene.lit(&[[2.5, 0.4, 0.0], [0.0, 0.2, 1.0]]);
     halves(&drawn(&lit.to_text(), &["--fov", "90"]), [255, 102, 0], [0, 51, 255]);
+    let brighter = drawn(&lit.to_text(), &["--fov", "90", "--exposure", "2"]);
+    halves(&brighter, [255, 204, 0], [0, 102, 255]);
 }
 
 #[test]
@@ -83,7 +85,7 @@ fn the_cornell_box_has_red_on_the_left_and_no_gaps() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("maps/cornell/cornell.txt");
     let scene = TextScene::parse_lit(&std::fs::read_to_string(path).unwrap(), "c").unwrap();
     let camera = Camera::look_at(&scene.camera, Camera::TEXT_SCENE_FOV, [200, 200]).unwrap();
-    let picture = draw_patches(&scene.patches, &camera).unwrap();
+    let picture = draw_patches(&scene.patches, &camera, 1.0).unwrap();
     let [left, right] = [picture.get_pixel(12, 100).0, picture.get_pixel(187, 100).0];
     assert!(left[0] > 2 * left[1], "red: {left:?}");
     assert!(right[1] > 2 * right[0], "green: {right:?}");
@@ -189,7 +191,7 @@ proptest! {
             .collect();
         let eye = DVec3::new(0.1, 0.2, 0.3);
         let camera = Camera::quake(eye, 10.0, yaw, 90.0, [16, 12]).unwrap();
-        let picture = draw_patches(&quads, &camera).unwrap();
+        let picture = draw_patches(&quads, &camera, 1.0).unwrap();
         let mut wrong = 0;
         for (x, y, pixel) in picture.enumerate_pixels() {
             let ray = camera.ray(f64::from(x) + 0.5, f64::from(y) + 0.5);
@@ -211,6 +213,6 @@ proptest! {
         let quad = Quad { vertices, normal: DVec3::Z, exitance: [0.0; 3], reflectance: [1.0; 3] };
         let spec = CameraSpec { position: DVec3::ZERO, look_at: DVec3::X, up: DVec3::Z };
         let camera = Camera::look_at(&spec, 40.0, [9, 7]).unwrap();
-        prop_assert!(draw_patches(&[quad], &camera).is_ok());
+        prop_assert!(draw_patches(&[quad], &camera, 1.0).is_ok());
     }
 }

@@ -29,6 +29,10 @@ struct Arguments {
     #[arg(long, value_name = "DEG", default_value_t = Camera::TEXT_SCENE_FOV)]
     fov: f64,
 
+    /// Multiply all light by this before it is drawn; a box lit by a small light wants 20 or so
+    #[arg(long, value_name = "FACTOR", default_value_t = 1.0, value_parser = parse_exposure)]
+    exposure: f64,
+
     /// Picture size in pixels [default: as in the scene's header]
     #[arg(long, value_name = "WxH", value_parser = parse_size)]
     size: Option<[u32; 2]>,
@@ -39,6 +43,11 @@ fn parse_size(text: &str) -> std::result::Result<[u32; 2], String> {
     text.split_once('x')
         .and_then(|(w, h)| Some([side(w)?, side(h)?]))
         .ok_or_else(|| format!("write it as 640x480, each side from 1 to {MAX_IMAGE}"))
+}
+
+fn parse_exposure(text: &str) -> std::result::Result<f64, String> {
+    let factor = text.parse().ok().filter(|x: &f64| x.is_finite() && *x > 0.0);
+    factor.ok_or_else(|| "write a number above 0".into())
 }
 
 fn main() -> ExitCode {
@@ -62,7 +71,7 @@ fn run(arguments: &Arguments) -> Result<()> {
     let scene = TextScene::parse_lit(decode(&bytes, &name)?, &name)?;
     let size = arguments.size.unwrap_or(scene.image);
     let camera = Camera::look_at(&scene.camera, arguments.fov, size)?;
-    let image = draw_patches(&scene.patches, &camera)?;
+    let image = draw_patches(&scene.patches, &camera, arguments.exposure)?;
     match &arguments.output {
         Some(output) => save_png(&image, output),
         None => show(&image, &name),

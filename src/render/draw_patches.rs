@@ -17,13 +17,13 @@ use std::ops::Range;
 pub const MAX_PIXELS: u64 = 1 << 26;
 
 /// Draws `patches` as `camera` sees them. A patch has the colour of its exitance plus the second
-/// triple of its file, clamped to 0..1 and times 255: the final exitance in a lit scene, full
+/// triple of its file, times `exposure` (1 shows values as they are), clamped to 0..1 and times 255: the final exitance in a lit scene, full
 /// brightness in a raw one. Backs of patches and the background are black; backs hide what lies
 /// behind them. Of patches in one plane the first is seen.
 ///
 /// # Errors
 /// [`Error::Limit`] if the picture has more than [`MAX_PIXELS`].
-pub fn draw_patches(patches: &[Quad], camera: &Camera) -> Result<RgbImage> {
+pub fn draw_patches(patches: &[Quad], camera: &Camera, exposure: f64) -> Result<RgbImage> {
     let pixels = u64::from(camera.width) * u64::from(camera.height);
     if pixels > MAX_PIXELS {
         return Err(Error::Limit {
@@ -36,18 +36,24 @@ pub fn draw_patches(patches: &[Quad], camera: &Camera) -> Result<RgbImage> {
     let mut image = RgbImage::new(camera.width, camera.height);
     let mut depths = vec![f32::INFINITY; pixels as usize];
     for quad in patches {
-        draw_quad(quad, camera, &mut image, &mut depths);
+        draw_quad(quad, camera, exposure, &mut image, &mut depths);
     }
     Ok(image)
 }
 
-fn draw_quad(quad: &Quad, camera: &Camera, image: &mut RgbImage, depths: &mut [f32]) {
+fn draw_quad(
+    quad: &Quad,
+    camera: &Camera,
+    exposure: f64,
+    image: &mut RgbImage,
+    depths: &mut [f32],
+) {
     let mut corners = quad.vertices.map(|v| camera.to_camera(v));
     let mut normal = (corners[2] - corners[0]).cross(corners[3] - corners[1]);
     // (right, up, depth) is a left-handed space, so this normal points away from the lit side.
     let facing = normal.dot(corners[0]);
     let colour = if facing > 0.0 {
-        front_colour(quad)
+        front_colour(quad, exposure)
     } else if facing < 0.0 {
         corners.reverse();
         normal = -normal;
@@ -77,9 +83,10 @@ fn draw_quad(quad: &Quad, camera: &Camera, image: &mut RgbImage, depths: &mut [f
 }
 
 /// Colour of the lit side: one formula for raw and lit scenes.
-fn front_colour(quad: &Quad) -> Rgb<u8> {
+fn front_colour(quad: &Quad, exposure: f64) -> Rgb<u8> {
     Rgb(std::array::from_fn(|i| {
-        ((quad.exitance[i] + quad.reflectance[i]).clamp(0.0, 1.0) * 255.0).round() as u8
+        (((quad.exitance[i] + quad.reflectance[i]) * exposure).clamp(0.0, 1.0) * 255.0).round()
+            as u8
     }))
 }
 
