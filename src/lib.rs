@@ -5,14 +5,13 @@
 
 pub mod bsp;
 pub mod error;
-
 pub mod lightmap;
 pub mod output;
 pub mod patch;
 pub mod photometry;
 pub mod progress;
 pub mod radiosity;
-
+pub mod render;
 pub mod report;
 pub mod scene;
 pub mod settings;
