@@ -1,0 +1,168 @@
+//! What lighting changes in the entity text: switchable styles, an old key name, bold text.
+
+use super::entities::{Entity, parse_entities, write_entities};
+use crate::{Error, Result};
+use std::collections::HashMap;
+
+/// First light style handed out to switchable lights.
+const FIRST_STYLE: u32 = 32;
+/// First style that engines cannot switch any more.
+const STYLE_LIMIT: u32 = 64;
+
+/// Parses an entity lump and makes the changes of [`normalise`]. The second part is the new lump, or
+/// `None` if there is nothing to change, so that the old one can stay byte for byte.
+///
+/// # Errors
+/// As [`parse_entities`] and [`normalise`].
+pub fn rewrite_entities(lump: &[u8]) -> Result<(Vec<Entity>, Option<Vec<u8>>)> {
+    let mut entities = parse_entities(lump)?;
+    let changed = normalise(&mut entities)?;
+    let text = changed.then(|| write_entities(&entities));
+    Ok((entities, text))
+}
+
+/// Makes the changes to entities that a light compiler writes back, and tells whether there were any:
+///
+/// 1. `lightmap_scale` becomes `_lightmap_scale`.
+/// 2. Entities whose classname begins with `light` and that have a `targetname` get the `style` of
+///    that name: 32 for the first name, 33 for the next, in entity order.
+/// 3. Entities with `_switchableshadow` 1 get `switchshadstyle` in the same way; without a targetname,
+///    a style of their own.
+/// 4. In values, `\b` goes and toggles bold letters (128 is added to their codes).
+///
+/// A second run finds nothing to change.
+///
+/// # Errors
+/// `Limit` if more than 32 styles are needed.
+pub fn normalise(entities: &mut [Entity]) -> Result<bool> {
+    let before = entities.to_vec();
+    let mut styles = Styles { by_name: HashMap::new(), next: FIRST_STYLE };
+    for entity in entities.iter_mut() {
+        if let Some(scale) = entity.remove("lightmap_scale") {
+            log::warn!("key lightmap_scale renamed to _lightmap_scale");
+            // Moved to the end even if the right name was there already.
+            entity.remove("_lightmap_scale");
+            entity.set("_lightmap_scale", scale);
+        }
+        let name = entity.get("targetname").unwrap_or("").to_owned();
+        if entity.classname().starts_with("light") && !name.is_empty() {
+            entity.set("style", styles.of(&name)?.to_string());
+        }
+        if is_one(entity.get("_switchableshadow").unwrap_or("")) {
+            entity.set("switchshadstyle", styles.of(&name)?.to_string());
+        }
+    }
+    for value in entities.iter_mut().flat_map(Entity::values_mut) {
+        if value.contains("\\b") {
+            *value = embolden(value);
+        }
+    }
+    Ok(entities != before)
+}
+
+/// Whether the first word is an integer of value 1.
+fn is_one(value: &str) -> bool {
+    let word = value.split_ascii_whitespace().next().unwrap_or("");
+    let word = word.strip_prefix('+').unwrap_or(word);
+    let digits = word.find(|c: char| !c.is_ascii_digit()).map_or(word, |end| &word[..end]);
+    digits.trim_start_matches('0') == "1"
+}
+
+struct Styles {
+    by_name: HashMap<String, u32>,
+    next: u32,
+}
+
+impl Styles {
+    /// Style of a targetname; an empty one gets a new style each time.
+    fn of(&mut self, name: &str) -> Result<u32> {
+        if let Some(&style) = self.by_name.get(name) {
+            return Ok(style);
+        }
+        let style = self.next;
+        if style >= STYLE_LIMIT {
+            return Err(Error::Limit {
+                what: format!("light style for targetname \"{name}\""),
+                value: style.into(),
+                limit: u64::from(STYLE_LIMIT) - 1,
+                advice: "give fewer different targetnames to lights and switchable shadows",
+            });
+        }
+        self.next += 1;
+        if !name.is_empty() {
+            self.by_name.insert(name.to_owned(), style);
+        }
+        Ok(style)
+    }
+}
+
+/// Removes each `\b` and sets the high bit of every second stretch between them.
+fn embolden(value: &str) -> String {
+    let stretches = value.split("\\b").enumerate();
+    stretches
+        .flat_map(|(index, stretch)| {
+            stretch.chars().map(move |c| match u8::try_from(u32::from(c)) {
+                Ok(byte) if index % 2 == 1 => char::from(byte | 128),
+                _ => c,
+            })
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn rewritten(text: &str) -> String {
+        let (_, lump) = rewrite_entities(text.as_bytes()).unwrap();
+        let lump = lump.expect("something changes");
+        let again = rewrite_entities(&lump).unwrap();
+        assert_eq!(again.1, None, "a second run changes nothing");
+        lump.into_iter()
+            .filter(|&byte| byte != 0)
+            .map(char::from)
+            .collect::<String>()
+            .replace('\n', " ")
+    }
+
+    #[test]
+    fn switchable_lights_and_shadows_share_styles_by_name() {
+        let text = "{ classname light targetname a style 5 } { classname light_torch targetname b }
+            { classname func_wall _switchableshadow 1 targetname a }
+            { classname func_wall _switchableshadow 1 } { classname func_wall _switchableshadow 1 }
+            { classname Light targetname c } { classname light targetname a }";
+        let expected = r#"{ "classname" "light" "targetname" "a" "style" "32" } { "classname" "light_torch" "targetname" "b" "style" "33" } { "classname" "func_wall" "_switchableshadow" "1" "targetname" "a" "switchshadstyle" "32" } { "classname" "func_wall" "_switchableshadow" "1" "switchshadstyle" "34" } { "classname" "func_wall" "_switchableshadow" "1" "switchshadstyle" "35" } { "classname" "Light" "targetname" "c" } { "classname" "light" "targetname" "a" "style" "32" } "#;
+        assert_eq!(rewritten(text), expected);
+    }
+
+    #[test]
+    fn old_scale_key_moves_to_the_end() {
+        let text = "{ lightmap_scale 8 a b }";
+        assert_eq!(rewritten(text), r#"{ "a" "b" "_lightmap_scale" "8" } "#);
+    }
+
+    #[test]
+    fn bold_sets_the_high_bit() {
+        assert_eq!(rewritten(r#"{ message "a\bBC\bd" }"#), "{ \"message\" \"a\u{C2}\u{C3}d\" } ");
+        assert_eq!(embolden(r"x\by"), "x\u{F9}");
+    }
+
+    #[test]
+    fn nothing_to_change_leaves_the_text_alone() {
+        let text =
+            b"{ classname  worldspawn }{ \"classname\" \"light\" targetname \"\" style 3 }\0";
+        let (entities, lump) = rewrite_entities(text).unwrap();
+        assert_eq!(entities.len(), 2);
+        assert_eq!(lump, None);
+    }
+
+    #[test]
+    fn the_33rd_style_is_an_error() {
+        let lights = |count: u32| -> String {
+            (0..count).map(|i| format!("{{ classname light targetname t{i} }}\n")).collect()
+        };
+        assert!(rewrite_entities(lights(32).as_bytes()).is_ok());
+        let error = rewrite_entities(lights(33).as_bytes()).unwrap_err();
+        assert!(matches!(error, Error::Limit { value: 64, limit: 63, .. }), "{error}");
+    }
+}
