@@ -4,6 +4,7 @@ use super::header::Lump;
 use super::records::{Face, Format};
 use crate::{Error, Result};
 use byteorder::{ByteOrder, LittleEndian};
+use glam::Vec3;
 
 /// Little-endian appending with range checks for the fields of one record.
 pub(crate) struct Record<'a> {
@@ -27,6 +28,16 @@ impl<'a> Record<'a> {
         let mut bytes = [0; 4];
         LittleEndian::write_i32(&mut bytes, value);
         self.bytes(&bytes);
+    }
+
+    pub(crate) fn f32(&mut self, value: f32) {
+        self.bytes(&value.to_le_bytes());
+    }
+
+    pub(crate) fn vec3(&mut self, value: Vec3) {
+        for number in value.to_array() {
+            self.f32(number);
+        }
     }
 
     /// An unsigned field: 16 bits in BSP29, otherwise 31 bits.
@@ -53,7 +64,8 @@ impl<'a> Record<'a> {
         Ok(())
     }
 
-    fn too_large(&self, field: &str, value: i64, limit: i64) -> Error {
+    /// The error for a field that does not fit.
+    pub(crate) fn too_large(&self, field: &str, value: i64, limit: i64) -> Error {
         Error::format(
             format!("{} lump, record {}", self.lump.name(), self.index),
             format!("{field} {value} does not fit the format (0 to {limit}): compile as BSP2"),

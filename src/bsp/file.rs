@@ -47,7 +47,7 @@ pub struct Bsp {
     /// Lumps of the BSPX extension, in file order.
     pub bspx: Vec<BspxLump>,
     /// Bytes of the lumps that are written back as they were; empty for those with a field above.
-    kept: [Vec<u8>; LUMP_COUNT],
+    pub(super) kept: [Vec<u8>; LUMP_COUNT],
 }
 
 impl Bsp {

@@ -4,6 +4,7 @@
 //! Reading never panics: every index is checked once, here, so that the rest may index freely.
 //! Writing keeps every lump that was not changed byte for byte.
 
+mod assemble;
 mod bspx;
 mod cursor;
 mod decode;

@@ -2,6 +2,8 @@
 // Each test binary uses its own part of this module.
 #![allow(dead_code)]
 
+pub mod map_builder;
+
 use std::path::{Path, PathBuf};
 
 /// The folder of read-only test material: `QRAD_SHARED`, or `shared` beside the project. Prints a line
