@@ -27,19 +27,19 @@ pub(super) fn clip(
     width: f32,
     height: f32,
 ) -> bool {
-    for plane in 0..4 {
-        let (mut any_in, mut any_out) = (false, false);
-        for p in points.iter() {
-            let inside = outside(*p, width, height, plane) >= 0.0;
-            any_in |= inside;
-            any_out |= !inside;
-        }
-        if !any_in {
-            return false;
-        }
-        if !any_out {
-            continue;
-        }
+    // One bit a plane: outside for some point, outside for all.
+    let (mut some, mut all) = (0u8, 15u8);
+    for p in points.iter() {
+        let code = (0..4).fold(0, |code, plane| {
+            code | u8::from(outside(*p, width, height, plane) < 0.0) << plane
+        });
+        some |= code;
+        all &= code;
+    }
+    if all != 0 {
+        return false;
+    }
+    for plane in (0..4).filter(|plane| some >> plane & 1 == 1) {
         spare.clear();
         let mut from = points[points.len() - 1];
         let mut from_d = outside(from, width, height, plane);

@@ -6,12 +6,14 @@ use super::side::{NOTHING, Nearness, Side};
 use super::{HemicubeSize, SIDES, SideId, View};
 use crate::scene::{Node, Tracer};
 use glam::Vec3;
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
 
 /// Which polygon a point sees through each cell. Reused from one hemicube to the next.
 pub struct ItemBuffer {
     size: HemicubeSize,
     sides: [Side; 5],
-    stack: Vec<u32>,
+    queue: BinaryHeap<Reverse<(u32, u32)>>,
     points: Vec<Homogeneous>,
     spare: Vec<Homogeneous>,
     corners: Vec<[f32; 2]>,
@@ -42,7 +44,7 @@ impl ItemBuffer {
         Self {
             size,
             sides: SIDES.map(|s| Side::new(size.width(), size.rows(s))),
-            stack: Vec::new(),
+            queue: BinaryHeap::new(),
             points: Vec::new(),
             spare: Vec::new(),
             corners: Vec::new(),
@@ -75,9 +77,9 @@ impl ItemBuffer {
     }
 
     fn draw_side(&mut self, side: usize, tracer: &Tracer, projection: &Projection) {
-        self.stack.clear();
-        self.stack.push(0);
-        while let Some(index) = self.stack.pop() {
+        self.queue.clear();
+        self.queue.push(Reverse((0, 0)));
+        while let Some(Reverse((_, index))) = self.queue.pop() {
             let node = &tracer.nodes()[index as usize];
             if !projection.may_be_seen(node, &mut self.sides[side]) {
                 continue;
@@ -87,11 +89,10 @@ impl ItemBuffer {
                     self.draw_polygon(side, tracer, slot, projection);
                 }
             } else {
-                let (a, b) = (node.first, node.first + 1);
-                let distance = |n: u32| projection.distance(&tracer.nodes()[n as usize]);
-                let (near, far) = if distance(a) <= distance(b) { (a, b) } else { (b, a) };
-                self.stack.push(far);
-                self.stack.push(near);
+                for child in [node.first, node.first + 1] {
+                    let distance = projection.distance(&tracer.nodes()[child as usize]);
+                    self.queue.push(Reverse((distance.to_bits(), child)));
+                }
             }
         }
     }
@@ -114,7 +115,17 @@ impl ItemBuffer {
                 .iter()
                 .map(|p| [(p.x / p.z).max(0.0).min(width), (p.y / p.z).max(0.0).min(height)]),
         );
-        target.fill(&self.corners, nearness, item);
+        let (mut low, mut high) = ([width, height], [0.0f32; 2]);
+        for c in &self.corners {
+            for k in 0..2 {
+                low[k] = low[k].min(c[k]);
+                high[k] = high[k].max(c[k]);
+            }
+        }
+        let depth = self.points.iter().map(|p| p.z).fold(f32::INFINITY, f32::min);
+        if !target.covered(low, high, 1.0 / depth) {
+            target.fill(&self.corners, nearness, item);
+        }
     }
 }
 
@@ -195,17 +206,33 @@ impl Projection {
         if nearest <= 1e-6 * reach {
             return true;
         }
-        let (mut low, mut high) = ([f32::INFINITY; 2], [f32::NEG_INFINITY; 2]);
-        for corner in 0..8u32 {
-            let sign = |bit: u32| if corner >> bit & 1 == 1 { 1.0 } else { -1.0 };
-            let p = centre + half * Vec3::new(sign(0), sign(1), sign(2));
-            let inverse = 1.0 / self.depth.dot(p);
-            let at = [self.column.dot(p) * inverse, self.row.dot(p) * inverse];
-            for k in 0..2 {
-                low[k] = low[k].min(at[k]);
-                high[k] = high[k].max(at[k]);
-            }
-        }
+        let (low, high) = self.bounds(centre, half);
         !side.covered(low, high, 1.0 / nearest)
+    }
+
+    /// Low and high corner, in cell coordinates, of a box in front of the eye. Written in arrays of
+    /// eight, one entry a corner, so that it becomes vector code.
+    fn bounds(&self, centre: Vec3, half: Vec3) -> ([f32; 2], [f32; 2]) {
+        const X: [f32; 8] = [-1.0, 1.0, -1.0, 1.0, -1.0, 1.0, -1.0, 1.0];
+        const Y: [f32; 8] = [-1.0, -1.0, 1.0, 1.0, -1.0, -1.0, 1.0, 1.0];
+        const Z: [f32; 8] = [-1.0, -1.0, -1.0, -1.0, 1.0, 1.0, 1.0, 1.0];
+        let along = |axis: Vec3| {
+            let (middle, step) = (axis.dot(centre), axis * half);
+            std::array::from_fn::<f32, 8, _>(|i| {
+                middle + (X[i] * step.x + Y[i] * step.y + Z[i] * step.z)
+            })
+        };
+        let depths = along(self.depth).map(|d| 1.0 / d);
+        let range = |axis: Vec3| {
+            let values = along(axis);
+            let at: [f32; 8] = std::array::from_fn(|i| values[i] * depths[i]);
+            let halves = |f: fn(f32, f32) -> f32| {
+                let q: [f32; 4] = std::array::from_fn(|i| f(at[i], at[i + 4]));
+                f(f(q[0], q[1]), f(q[2], q[3]))
+            };
+            (halves(|a, b| if b < a { b } else { a }), halves(|a, b| if b > a { b } else { a }))
+        };
+        let (columns, rows) = (range(self.column), range(self.row));
+        ([columns.0, rows.0], [columns.1, rows.1])
     }
 }

@@ -4,6 +4,8 @@
 //! is three numbers there and the nearest one has the largest. Each tile knows the smallest nearness
 //! in it: what lies beyond that everywhere cannot be seen (masked occlusion culling).
 
+use std::ops::Range;
+
 /// Cells on the edge of a tile.
 const TILE: usize = 8;
 /// Cells in a tile.
@@ -20,6 +22,21 @@ pub(super) struct Nearness {
     pub dx: f32,
     /// Change from one row to the next.
     pub dy: f32,
+}
+
+impl Nearness {
+    /// Upper bound on the nearness at the cell centres of a tile.
+    fn largest_in_tile(&self, tx: usize, ty: usize) -> f32 {
+        let half = 0.5 * TILE as f32;
+        let (x, y) = ((tx * TILE) as f32 + half, (ty * TILE) as f32 + half);
+        self.base + self.dx * x + self.dy * y + (self.dx.abs() + self.dy.abs()) * half
+    }
+}
+
+/// First cell whose centre is at or beyond coordinate `v`; 0 for negative numbers and NaN.
+fn first_centre(v: f32) -> usize {
+    // Truncation is rounding down here, and much faster than `ceil` on plain x86-64.
+    (v + 0.5).max(0.0) as i32 as usize
 }
 
 /// The columns `from..to` of a row.
@@ -102,20 +119,48 @@ impl Side {
         }
     }
 
-    /// Whether something at least as near as `nearness` covers every cell of the rectangle (cell
-    /// coordinates, low and high corner).
+    /// Whether something at least as near as `nearness` covers every cell whose centre is in the
+    /// rectangle (cell coordinates, low and high corner).
     pub fn covered(&mut self, low: [f32; 2], high: [f32; 2], nearness: f32) -> bool {
-        // `as` saturates and maps NaN to 0, so any input gives a range inside the side.
-        let tile = |v: f32, tiles: usize| (v.max(0.0) as usize / TILE).min(tiles - 1);
-        let tiles_y = self.height.div_ceil(TILE);
-        for ty in tile(low[1], tiles_y)..=tile(high[1], tiles_y) {
-            for tx in tile(low[0], self.tiles_x)..=tile(high[0], self.tiles_x) {
-                if self.farthest(ty * self.tiles_x + tx) < nearness {
+        let cells = |k: usize, size: usize| first_centre(low[k])..first_centre(high[k]).min(size);
+        let (xs, ys) = (cells(0, self.width), cells(1, self.height));
+        if xs.is_empty() || ys.is_empty() {
+            return true;
+        }
+        for ty in ys.start / TILE..=(ys.end - 1) / TILE {
+            for tx in xs.start / TILE..=(xs.end - 1) / TILE {
+                let tile = ty * self.tiles_x + tx;
+                if self.farthest(tile) < nearness
+                    && !self.covered_in_tile(tile, [tx * TILE, ty * TILE], &xs, &ys, nearness)
+                {
                     return false;
                 }
             }
         }
         true
+    }
+
+    /// As `covered`, looking at single cells of one tile.
+    fn covered_in_tile(
+        &self,
+        tile: usize,
+        corner: [usize; 2],
+        xs: &Range<usize>,
+        ys: &Range<usize>,
+        nearness: f32,
+    ) -> bool {
+        let from = ys.start.max(corner[1]) - corner[1];
+        let to = ys.end.min(corner[1] + TILE) - corner[1];
+        let (left, right) = (xs.start as i32 - corner[0] as i32, xs.end as i32 - corner[0] as i32);
+        let cells = &self.nearness[tile * CELLS + from * TILE..tile * CELLS + to * TILE];
+        let mut open = [false; TILE];
+        for row in cells.chunks_exact(TILE) {
+            for lane in 0..TILE {
+                let x = lane as i32;
+                open[lane] |= (x >= left) & (x < right) & (row[lane] < nearness);
+            }
+        }
+        !open.contains(&true)
     }
 
     fn farthest(&mut self, tile: usize) -> f32 {
@@ -147,7 +192,8 @@ impl Side {
 
     /// Finds the span of each row; returns the rows that may have one.
     fn scan(&mut self, corners: &[[f32; 2]]) -> Option<(usize, usize)> {
-        let first_row = |y: f32| (y - 0.5).ceil().clamp(0.0, self.height as f32) as usize;
+        let rows = self.height;
+        let first_row = |y: f32| first_centre(y).min(rows);
         let (mut low, mut high) = (f32::INFINITY, f32::NEG_INFINITY);
         for c in corners {
             low = low.min(c[1]);
@@ -180,7 +226,7 @@ impl Side {
     fn fill_tile_row(&mut self, y0: usize, y1: usize, nearness: Nearness, item: u32) {
         let mut columns = [(0i32, 0i32); TILE];
         let (mut left, mut right) = (i32::MAX, i32::MIN);
-        let edge = |x: f32| (x - 0.5).ceil().clamp(0.0, self.width as f32) as i32;
+        let edge = |x: f32| first_centre(x).min(self.width) as i32;
         for (c, span) in columns.iter_mut().zip(&self.spans[y0..y1]) {
             *c = (edge(span.from), edge(span.to));
             if c.0 < c.1 {
@@ -195,8 +241,14 @@ impl Side {
         for tx in tiles {
             let tile = y0 / TILE * self.tiles_x + tx;
             let x0 = (tx * TILE) as i32;
+            if self.farthest(tile) >= nearness.largest_in_tile(tx, y0 / TILE) {
+                continue;
+            }
             let mut changed = false;
             for (y, &(from, to)) in (y0..y1).zip(&columns) {
+                if to <= x0 || from >= x0 + TILE as i32 {
+                    continue;
+                }
                 let cell = tile * CELLS + y % TILE * TILE;
                 let at_row = nearness.base + nearness.dy * (y as f32 + 0.5);
                 let near: &mut [f32; TILE] =
@@ -291,6 +343,8 @@ mod tests {
         assert!(side.covered([0.0, 0.0], [15.0, 11.0], 0.9));
         assert!(!side.covered([0.0, 0.0], [15.0, 11.0], 1.1));
         assert!(!side.covered([0.0, 0.0], [19.0, 11.0], 0.9));
+        assert!(side.covered([16.0, 1.0], [19.4, 11.0], 0.9), "no centre right of column 18");
+        assert!(!side.covered([16.0, 1.0], [19.6, 11.0], 0.9));
         side.fill(&[[19.0, 0.0], [20.0, 0.0], [20.0, 12.0], [19.0, 12.0]], FLAT, 0);
         assert!(side.covered([f32::NEG_INFINITY, -3.0], [f32::INFINITY, 99.0], 0.9));
     }
