@@ -2,6 +2,7 @@
 
 pub mod bsp;
 pub mod error;
+pub mod light;
 pub mod photometry;
 pub mod scene;
 

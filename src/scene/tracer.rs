@@ -35,8 +35,8 @@ pub struct Node {
     pub count: u32,
     /// Bounding box.
     pub max: Vec3,
-    /// Inner node: its children are `first` and `first + 1`. Leaf: its polygons are the entries
-    /// `first..first + count` of [`Tracer::order`].
+    /// Inner node: its children are `first` and `first + 1`. Leaf: its polygons are those in the
+    /// slots `first..first + count`, see [`Tracer::polygon`].
     pub first: u32,
 }
 
@@ -45,6 +45,12 @@ pub struct Tracer {
     polygons: Vec<Polygon>,
     bvh: Bvh2,
     nodes: Vec<Node>,
+    /// Corner points of all polygons, in the order of the hierarchy's leafs.
+    corners: Vec<Vec3>,
+    /// Where the corners of a slot end.
+    ends: Vec<u32>,
+    /// Normal of each slot's polygon.
+    normals: Vec<Vec3>,
 }
 
 impl Tracer {
@@ -75,7 +81,14 @@ impl Tracer {
                 first: n.first_index,
             })
             .collect();
-        Self { polygons, bvh, nodes }
+        let (mut corners, mut ends, mut normals) = (Vec::new(), Vec::new(), Vec::new());
+        for &i in &bvh.primitive_indices {
+            let polygon = &polygons[i as usize];
+            corners.extend_from_slice(&polygon.vertices);
+            ends.push(corners.len() as u32);
+            normals.push(polygon.normal);
+        }
+        Self { polygons, bvh, nodes, corners, ends, normals }
     }
 
     /// The polygons, in the order given.
@@ -88,9 +101,12 @@ impl Tracer {
         &self.nodes
     }
 
-    /// Polygon indices in the order that leafs refer to.
-    pub fn order(&self) -> &[u32] {
-        &self.bvh.primitive_indices
+    /// Corner points, normal and index of the polygon in a leaf's slot.
+    pub fn polygon(&self, slot: u32) -> (&[Vec3], Vec3, u32) {
+        let slot = slot as usize;
+        let from = if slot == 0 { 0 } else { self.ends[slot - 1] };
+        let corners = &self.corners[from as usize..self.ends[slot] as usize];
+        (corners, self.normals[slot], self.bvh.primitive_indices[slot])
     }
 
     /// Whether a polygon lies between the two points. Both faces of a polygon block. There is no
@@ -129,8 +145,7 @@ impl Tracer {
     /// Distance to the polygon in `slot` of the hierarchy, infinite for a miss or t <= 0.
     /// Two-sided Möller-Trumbore on the fan around the last vertex, as the reference compiler does.
     fn intersect(&self, slot: usize, origin: Vec3, direction: Vec3) -> f32 {
-        let polygon = &self.polygons[self.bvh.primitive_indices[slot] as usize];
-        let v = &polygon.vertices;
+        let (v, _, _) = self.polygon(slot as u32);
         (2..v.len())
             .map(|i| triangle(v[0], v[i - 1], v[i], origin, direction))
             .fold(f32::INFINITY, f32::min)
