@@ -5,6 +5,7 @@
 
 pub mod bsp;
 pub mod error;
+pub mod light;
 pub mod lightmap;
 pub mod output;
 pub mod patch;

@@ -1,7 +1,59 @@
 //! What light needs of a map: surfaces with materials, the ray tracer, the lights and the luxels.
 
+mod build;
+mod entity_lights;
+pub(crate) mod exact;
+mod keys;
+pub mod lights;
+pub mod luxels;
+mod materials;
+mod models;
+mod neighbours;
+mod random;
+mod shadow;
+mod shape;
+mod sidecar;
+mod solid;
 mod surface;
+mod surface_lights;
+mod tie;
 mod tracer;
+mod wander;
+mod world;
 
+pub use build::SceneSettings;
+pub use lights::Light;
+pub use luxels::Sample;
+pub use models::{Model, ShadowClass};
+pub use shadow::ShadowRays;
+pub use sidecar::Sidecar;
+pub use solid::Solid;
 pub use surface::{LuxelGrid, Role, Surface};
 pub use tracer::{Hit, Node, Polygon, Tracer};
+pub use world::WorldSettings;
+
+/// A map made ready for light. Nothing in it changes while the map is lit, so faces can be lit in
+/// parallel from one shared scene.
+pub struct Scene {
+    /// One surface a BSP face, by the same index.
+    pub surfaces: Vec<Surface>,
+    /// Brush models, by the same index as in the BSP.
+    pub models: Vec<Model>,
+    /// The lights that shine, copies included, in the order in which they are added up.
+    pub lights: Vec<Light>,
+    /// What worldspawn sets for the whole map.
+    pub world: WorldSettings,
+    /// The surfaces that block light.
+    pub tracer: Tracer,
+    /// Index in `surfaces` of each polygon of `tracer`.
+    pub tracer_surface: Vec<u32>,
+    /// Solid space of the brush models.
+    pub solid: Solid,
+    /// What the map asks for that is not simulated, one sentence each, sorted.
+    pub not_simulated: Vec<String>,
+    /// What is odd about the map, one sentence each.
+    pub warnings: Vec<String>,
+    shapes: Vec<shape::Shape>,
+    neighbours: neighbours::Neighbours,
+    luxel_maps: Vec<Option<shape::LuxelMap>>,
+}

@@ -10,8 +10,8 @@ pub enum Role {
     Solid,
     /// Blocks light and sends nothing back.
     Sky,
-    /// Neither blocks nor reflects (liquids, models without shadow, `skip`, and for now fences and
-    /// glass), but receives light when it is lightmapped.
+    /// Neither blocks nor reflects (liquids, models without shadow, and for now fences and glass), but
+    /// receives light when it is lightmapped.
     Ghost,
 }
 
@@ -74,12 +74,24 @@ pub struct Surface {
     pub offset: Vec3,
     /// Index into the texture lump, if the face has a texture.
     pub texture: Option<u32>,
-    /// Share of light it sends back, per channel.
+    /// Share of light it sends back, per channel; matters only where `reflects` is set.
     pub reflectance: Reflectance,
+    /// Sends light back: opaque, lightmapped and of a model that casts shadows.
+    pub reflects: bool,
     /// What it does to light.
     pub role: Role,
     /// Lit from behind as well (liquids).
     pub two_sided: bool,
+    /// Receives no light from lights, suns and bounces.
+    pub light_ignore: bool,
+    /// Channels of light that it receives, 1 by default.
+    pub channel_mask: i32,
+    /// Largest angle in degrees over which normals are smoothed, 0 for flat. Not used yet.
+    pub phong_angle: f32,
+    /// Cap on its luxels in levels at range 0.5; 0 is the world's cap.
+    pub max_light: f32,
+    /// Saturation of the light it receives, 0 (grey) to 1.
+    pub colour_scale: f32,
     /// Luxels, for faces that get a lightmap.
     pub luxels: Option<LuxelGrid>,
 }

@@ -1,0 +1,133 @@
+//! Direct light: the irradiance that lights send straight to points of surfaces, in light units
+//! before range scaling (contract sections 4.4 to 4.6). One file an effect.
+
+mod attenuation;
+mod point;
+mod spot;
+
+use crate::photometry::Irradiance;
+use crate::scene::exact::{brightness, distance, dot, length};
+use crate::scene::{Light, Sample, Scene, ShadowRays, Surface};
+use glam::Vec3;
+
+/// Irradiance of one light style at a list of samples.
+#[derive(Clone, Debug, PartialEq)]
+pub struct StyleLight {
+    /// The light style.
+    pub style: u16,
+    /// Irradiance in light units, in the order of the samples; zero where none arrives.
+    pub irradiance: Vec<Irradiance>,
+}
+
+/// Direct light on one surface.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct DirectLight {
+    /// Light by style, in the order in which the styles first lit the surface; never all zero.
+    pub styles: Vec<StyleLight>,
+    /// What negative lights take away, as negative irradiance. It is to be added last, after
+    /// bounced and minimum light, and the sum then limited to 0 and up.
+    pub negative: Vec<StyleLight>,
+    /// Shadow rays traced.
+    pub rays: u64,
+}
+
+/// Lights the samples of a surface.
+pub fn direct(scene: &Scene, surface: usize, samples: &[Sample]) -> DirectLight {
+    let mut result = DirectLight::default();
+    let surface = &scene.surfaces[surface];
+    if surface.light_ignore || samples.is_empty() {
+        return result;
+    }
+    let sphere = BoundingSphere::of(surface);
+    let mut shadows = ShadowRays::new(&scene.tracer);
+    for light in &scene.lights {
+        let styles = if light.brightness > 0.0 { &mut result.styles } else { &mut result.negative };
+        light_surface(scene, light, surface, &sphere, samples, &mut shadows, styles);
+    }
+    result.rays = shadows.rays();
+    result
+}
+
+/// Direct light at a point with a unit normal that belongs to no surface: style and irradiance,
+/// negative lights included, in the order of the lights.
+pub fn at(scene: &Scene, position: Vec3, normal: Vec3) -> Vec<(u16, Irradiance)> {
+    let mut shadows = ShadowRays::new(&scene.tracer);
+    let mut styles: Vec<(u16, Irradiance)> = Vec::new();
+    for light in &scene.lights {
+        let Some(colour) = point::unshadowed(light, scene.world.dist, position, normal, false)
+        else {
+            continue;
+        };
+        if brightness(colour).abs() <= scene.world.gate || shadows.blocked(position, light.origin) {
+            continue;
+        }
+        match styles.iter_mut().find(|s| s.0 == light.style) {
+            Some(style) => style.1 += Irradiance(colour),
+            None => styles.push((light.style, Irradiance(colour))),
+        }
+    }
+    styles
+}
+
+/// Adds what one light sends to the samples of a surface.
+fn light_surface(
+    scene: &Scene,
+    light: &Light,
+    surface: &Surface,
+    sphere: &BoundingSphere,
+    samples: &[Sample],
+    shadows: &mut ShadowRays<'_>,
+    styles: &mut Vec<StyleLight>,
+) {
+    let (dist, gate) = (scene.world.dist, scene.world.gate);
+    let behind = distance(light.origin, surface.normal, surface.dist) < 0.0;
+    if behind && !light.bleed && !surface.two_sided
+        || sphere.is_out_of_reach(light, dist, gate)
+        || light.channel_mask & surface.channel_mask == 0
+    {
+        return;
+    }
+    let mut slot = styles.iter().position(|s| s.style == light.style);
+    for (i, sample) in samples.iter().enumerate().filter(|(_, s)| !s.occluded) {
+        let Some(colour) =
+            point::unshadowed(light, dist, sample.position, sample.normal, surface.two_sided)
+        else {
+            continue;
+        };
+        if brightness(colour).abs() <= gate {
+            continue;
+        }
+        if shadows.blocked(sample.position, light.origin) {
+            continue;
+        }
+        let slot = *slot.get_or_insert_with(|| {
+            let irradiance = vec![Irradiance::ZERO; samples.len()];
+            styles.push(StyleLight { style: light.style, irradiance });
+            styles.len() - 1
+        });
+        styles[slot].irradiance[i] += Irradiance(colour);
+    }
+}
+
+/// A sphere around a surface.
+struct BoundingSphere {
+    centre: Vec3,
+    radius: f32,
+}
+
+impl BoundingSphere {
+    /// The sphere around the bounding box of the surface.
+    fn of(surface: &Surface) -> Self {
+        let corners = || surface.vertices.iter().copied();
+        let min = corners().fold(Vec3::INFINITY, Vec3::min);
+        let max = corners().fold(Vec3::NEG_INFINITY, Vec3::max);
+        Self { centre: (min + max) * 0.5, radius: length((max - min) * 0.5) }
+    }
+
+    /// Whether the light is too weak for the nearest point of the sphere.
+    fn is_out_of_reach(&self, light: &Light, dist: f32, gate: f32) -> bool {
+        let to_light = light.origin - self.centre;
+        let d = dot(to_light, to_light).sqrt() - self.radius;
+        d >= 0.0 && attenuation::value(light, dist, d).abs() <= gate
+    }
+}

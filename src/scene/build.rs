@@ -1,0 +1,331 @@
+//! From a parsed BSP to a [`Scene`].
+
+use super::Scene;
+use super::entity_lights;
+use super::materials::Materials;
+use super::models::{self, Model};
+use super::neighbours::Neighbours;
+use super::shape::{AREA_EPS, LuxelMap, Shape, area_and_centre};
+use super::sidecar::{self, Sidecar, TexInfoKeys};
+use super::solid::Solid;
+use super::surface::{LuxelGrid, Role, Surface};
+use super::surface_lights::{self, Faces};
+use super::tracer::{Polygon, Tracer};
+use super::world::WorldSettings;
+use crate::bsp::{Bsp, Entity, MipTex, TexInfo, normalise, parse_entities};
+use crate::{Error, Result};
+use glam::Vec3;
+use std::collections::BTreeSet;
+
+/// Bit of the texinfo flags that says "no lightmap".
+const TEX_SPECIAL: i32 = 1;
+/// The most luxels that a map may have: what a 32-bit lighting offset can address.
+const LUXEL_LIMIT: u64 = i32::MAX as u64;
+
+/// What the user chooses about the scene.
+#[derive(Clone, Debug)]
+pub struct SceneSettings {
+    /// Factor on all reflectances, 0 and up.
+    pub reflectance_scale: f32,
+    /// Every surface reflects 0.5, whatever its texture.
+    pub grey: bool,
+    /// Pixels for textures that the BSP lacks, found by name in any case.
+    pub textures: Vec<MipTex>,
+}
+
+impl Default for SceneSettings {
+    fn default() -> Self {
+        Self { reflectance_scale: 1.0, grey: false, textures: Vec::new() }
+    }
+}
+
+impl Scene {
+    /// Makes a map ready for light: `sidecar` is what `qbsp` wrote beside the BSP.
+    ///
+    /// # Errors
+    /// If the entity text cannot be read, switchable lights need too many styles, or there would be
+    /// more lights or luxels than memory and the format can hold.
+    pub fn build(bsp: &Bsp, sidecar: Sidecar<'_>, settings: &SceneSettings) -> Result<Self> {
+        let mut warnings = Vec::new();
+        let mut not_simulated = BTreeSet::new();
+        let mut entities = parse_entities(&bsp.entities)?;
+        normalise(&mut entities)?;
+        let nothing = Entity::default();
+        let worldspawn = entities.first().unwrap_or(&nothing);
+        let world = WorldSettings::read(worldspawn, &mut warnings, &mut not_simulated);
+        let keys = sidecar::texinfo_keys(
+            sidecar.texinfo,
+            bsp.texinfos.len(),
+            &mut warnings,
+            &mut not_simulated,
+        );
+        let contents: Vec<i32> = bsp.leafs.iter().map(|l| l.contents).collect();
+        let leaf_solid = sidecar::solid_leafs(sidecar.content, &contents, &mut warnings);
+        let solid = Solid::new(bsp, leaf_solid);
+        let models = models::read(bsp, &entities, &mut warnings, &mut not_simulated);
+
+        let materials = Materials::new(bsp, settings);
+        let mut faces = FaceReader::new(bsp, &models, &keys, &materials, world.luxel_size);
+        for face in 0..bsp.faces.len() {
+            faces.read(face, &mut not_simulated)?;
+        }
+        faces.warn(&mut warnings);
+        let FaceReader { surfaces, shapes, luxel_maps, names, groups, .. } = faces;
+        materials
+            .warn(surfaces.iter().filter(|s| s.reflects).filter_map(|s| s.texture), &mut warnings);
+
+        let mut drafts = entity_lights::read(&entities, &world, &mut warnings, &mut not_simulated);
+        let light_faces = Faces {
+            bsp,
+            surfaces: &surfaces,
+            shapes: &shapes,
+            names: &names,
+            groups: &groups,
+            piece_size: world.surface_light_size,
+        };
+        surface_lights::add_copies(&mut drafts, &light_faces, &mut warnings);
+        let lights = entity_lights::finish(drafts, &entities, &world, &solid, &mut warnings)?;
+
+        let (tracer, tracer_surface) = build_tracer(&surfaces);
+        Ok(Self {
+            surfaces,
+            models,
+            lights,
+            world,
+            tracer,
+            tracer_surface,
+            solid,
+            not_simulated: not_simulated.into_iter().collect(),
+            warnings,
+            shapes,
+            neighbours: Neighbours::new(bsp),
+            luxel_maps,
+        })
+    }
+}
+
+/// The surfaces that block light, and which polygon is which surface.
+fn build_tracer(surfaces: &[Surface]) -> (Tracer, Vec<u32>) {
+    let (mut polygons, mut indices) = (Vec::new(), Vec::new());
+    for (index, surface) in surfaces.iter().enumerate() {
+        if surface.role == Role::Ghost {
+            continue;
+        }
+        let mut vertices = surface.vertices.clone();
+        vertices.dedup();
+        while vertices.len() > 1 && vertices.first() == vertices.last() {
+            vertices.pop();
+        }
+        if vertices.len() >= 3 {
+            polygons.push(Polygon { vertices, normal: surface.normal });
+            indices.push(index as u32);
+        }
+    }
+    (Tracer::new(polygons), indices)
+}
+
+/// Reads faces one by one into the columns of the scene.
+struct FaceReader<'a> {
+    bsp: &'a Bsp,
+    models: &'a [Model],
+    keys: &'a [TexInfoKeys],
+    materials: &'a Materials,
+    luxel_size: u32,
+    owners: Vec<Option<u32>>,
+    surfaces: Vec<Surface>,
+    shapes: Vec<Shape>,
+    luxel_maps: Vec<Option<LuxelMap>>,
+    names: Vec<String>,
+    groups: Vec<i32>,
+    luxel_count: u64,
+    degenerate: Problem,
+    bad_axes: Problem,
+}
+
+impl<'a> FaceReader<'a> {
+    fn new(
+        bsp: &'a Bsp,
+        models: &'a [Model],
+        keys: &'a [TexInfoKeys],
+        materials: &'a Materials,
+        luxel_size: u32,
+    ) -> Self {
+        let mut owners = vec![None; bsp.faces.len()];
+        for (index, model) in bsp.models.iter().enumerate() {
+            let first = model.first_face as usize;
+            let range = first..first.saturating_add(model.face_count as usize);
+            for owner in owners.get_mut(range).unwrap_or(&mut []) {
+                *owner = Some(index as u32);
+            }
+        }
+        Self {
+            bsp,
+            models,
+            keys,
+            materials,
+            luxel_size,
+            owners,
+            surfaces: Vec::new(),
+            shapes: Vec::new(),
+            luxel_maps: Vec::new(),
+            names: Vec::new(),
+            groups: Vec::new(),
+            luxel_count: 0,
+            degenerate: Problem::default(),
+            bad_axes: Problem::default(),
+        }
+    }
+
+    fn read(&mut self, face: usize, not_simulated: &mut BTreeSet<String>) -> Result<()> {
+        let bsp = self.bsp;
+        let owner = self.owners[face];
+        let model = owner.map(|m| &self.models[m as usize]);
+        let texinfo_index = usize::try_from(bsp.faces[face].texinfo).ok();
+        let texinfo = texinfo_index.and_then(|i| bsp.texinfos.get(i));
+        let defaults = TexInfoKeys::default();
+        let keys = texinfo_index.and_then(|i| self.keys.get(i)).unwrap_or(&defaults);
+        let name = bsp.texture_of(face).map_or_else(String::new, |t| t.name.to_ascii_lowercase());
+        let plane = bsp.face_plane(face);
+        let shape = Shape::new(bsp.face_vertices(face).collect(), plane, owner);
+        let offset = model.map_or(Vec3::ZERO, |m| m.offset);
+        let vertices: Vec<Vec3> = shape.vertices.iter().map(|v| *v + offset).collect();
+        let dist = plane.dist + super::exact::dot(plane.normal, offset);
+
+        let area = area_and_centre(&vertices).0;
+        let sound =
+            area >= AREA_EPS && area.is_finite() && plane.normal.is_finite() && dist.is_finite();
+        if !sound {
+            self.degenerate.count(&vertices);
+        }
+        let alpha = keys.light_alpha.or(model.and_then(|m| m.alpha)).unwrap_or(1.0);
+        let mask = keys.channel_mask.unwrap_or(model.map_or(1, |m| m.channel_mask));
+        let role = if sound { role(&name, owner, model, keys, alpha, mask) } else { Role::Ghost };
+        if sound && role == Role::Ghost && model.is_some_and(Model::casts) && !keys.no_shadow {
+            if name.starts_with('{') {
+                not_simulated
+                    .insert("fence textures: alpha-tested shadows not simulated yet".into());
+            } else if alpha < 1.0 {
+                not_simulated.insert("glass: tinted shadows not simulated yet".into());
+            }
+        }
+
+        let lightmapped = sound
+            && owner.is_some()
+            && !matches!(&*name, "skip" | "trigger")
+            && texinfo.is_some_and(|t| t.flags & TEX_SPECIAL == 0);
+        let (luxels, map) = match texinfo.filter(|_| lightmapped) {
+            Some(texinfo) => self.luxels(face, texinfo, offset, &vertices).unzip(),
+            None => (None, None),
+        };
+        self.luxel_count += luxels.as_ref().map_or(0, |g| g.len() as u64);
+        if self.luxel_count > LUXEL_LIMIT {
+            return Err(Error::Limit {
+                what: format!("number of luxels up to face {face}"),
+                value: self.luxel_count,
+                limit: LUXEL_LIMIT,
+                advice: "raise worldspawn _lightmap_scale",
+            });
+        }
+        let texture = texinfo.and_then(|t| u32::try_from(t.miptex).ok());
+        let reflects =
+            role == Role::Solid && luxels.is_some() && !keys.no_bounce && !name.starts_with('*');
+        self.surfaces.push(Surface {
+            vertices,
+            normal: plane.normal,
+            dist,
+            model: owner,
+            offset,
+            texture,
+            reflectance: self.materials.of(texture),
+            reflects,
+            role,
+            two_sided: keys.light_twosided.unwrap_or(name.starts_with('*'))
+                || model.and_then(|m| m.alpha).is_some_and(|a| a < 1.0),
+            light_ignore: keys.light_ignore || model.is_some_and(|m| m.light_ignore),
+            channel_mask: mask,
+            phong_angle: keys.phong_angle,
+            max_light: model.and_then(|m| m.max_light).unwrap_or(keys.max_light),
+            colour_scale: model.and_then(|m| m.colour_scale).unwrap_or(keys.colour_scale),
+            luxels,
+        });
+        self.groups.push(keys.surflight_group);
+        self.shapes.push(shape);
+        self.luxel_maps.push(map);
+        self.names.push(name);
+        Ok(())
+    }
+
+    /// Luxel grid of a face; `None` if its texture axes are unusable.
+    fn luxels(
+        &mut self,
+        face: usize,
+        texinfo: &TexInfo,
+        offset: Vec3,
+        vertices: &[Vec3],
+    ) -> Option<(LuxelGrid, LuxelMap)> {
+        let grid = || {
+            let extents = self.bsp.face_extents(face, self.luxel_size as f32).ok()?;
+            let plane = self.bsp.face_plane(face);
+            let map = LuxelMap::new(texinfo, plane, extents.mins, self.luxel_size)?;
+            let [s_row, t_row] = map.rows_at(offset);
+            let [s_step, t_step] = map.steps();
+            let [width, height] = extents.size;
+            let origin = map.world_of(0.0, 0.0) + offset;
+            Some((LuxelGrid { width, height, s_row, t_row, origin, s_step, t_step }, map))
+        };
+        let grid = grid();
+        if grid.is_none() {
+            self.bad_axes.count(vertices);
+        }
+        grid
+    }
+
+    fn warn(&self, warnings: &mut Vec<String>) {
+        self.degenerate.warn("without area: unlit, and they block no light", warnings);
+        self.bad_axes.warn("with unusable texture axes: unlit; realign their textures", warnings);
+    }
+}
+
+/// What a face does to light (contract section 7.2).
+fn role(
+    name: &str,
+    owner: Option<u32>,
+    model: Option<&Model>,
+    keys: &TexInfoKeys,
+    alpha: f32,
+    mask: i32,
+) -> Role {
+    let casts = model.is_some_and(Model::casts) && mask == 1;
+    if !casts || keys.no_shadow || alpha < 1.0 || name.starts_with('{') {
+        Role::Ghost
+    } else if name.starts_with("sky") {
+        Role::Sky
+    } else if name.starts_with('*') && owner == Some(0) {
+        Role::Ghost
+    } else {
+        Role::Solid
+    }
+}
+
+/// Faces with the same fault: how many, and where the first one is.
+#[derive(Default)]
+struct Problem {
+    count: usize,
+    place: Option<Vec3>,
+}
+
+impl Problem {
+    fn count(&mut self, vertices: &[Vec3]) {
+        self.count += 1;
+        self.place = self.place.or_else(|| vertices.first().copied());
+    }
+
+    fn warn(&self, what: &str, warnings: &mut Vec<String>) {
+        if self.count > 0 {
+            let place = self
+                .place
+                .map_or_else(String::new, |p| format!(", the first at {} {} {}", p.x, p.y, p.z));
+            warnings.push(format!("{} faces {what}{place}", self.count));
+        }
+    }
+}

@@ -1,0 +1,373 @@
+//! From light entities to [`Light`]s (contract sections 4.1 to 4.3): reading the keys, then
+//! surface copies, jitter copies, targets, cones and nudging, in the reference's order.
+
+use super::exact::{length, normalize, radians};
+use super::keys;
+use super::lights::{Attenuation, Light, Spot};
+use super::random::Random;
+use super::solid::Solid;
+use super::world::WorldSettings;
+use crate::bsp::Entity;
+use crate::{Error, Result};
+use glam::Vec3;
+use std::collections::BTreeSet;
+
+/// The most lights that a scene may have, copies included.
+const LIGHT_LIMIT: usize = 1 << 20;
+
+/// A light entity while the list of lights is being made.
+#[derive(Clone, Debug)]
+pub(crate) struct Draft {
+    /// The light so far; brightness 0 means that it does not shine.
+    pub light: Light,
+    /// The texture whose faces this is a template for.
+    pub template: Option<Template>,
+    /// Half-width of the cube of jittered copies.
+    deviance: f32,
+    /// Number of jittered copies, itself included.
+    samples: u32,
+    /// Shines in a cone.
+    is_spot: bool,
+    /// Diameter of the cone in degrees.
+    outer_angle: f32,
+    /// Diameter of the cone of full light in degrees.
+    inner_angle: f32,
+    /// Name of the entity to shine at.
+    target: String,
+    /// Keep the origin even inside solid.
+    no_nudge: bool,
+}
+
+/// What makes a light a template for surface lights.
+#[derive(Clone, Debug)]
+pub(crate) struct Template {
+    /// Name of the texture.
+    pub texture: String,
+    /// Height above the surface, in world units.
+    pub offset: f32,
+    /// Copies are spots along the normal of their face.
+    pub spotlight: bool,
+    /// Applies to faces of the same group.
+    pub group: i32,
+}
+
+impl Draft {
+    /// A copy of the template at a point of a face with unit normal `normal`.
+    pub fn copy_at(&self, origin: Vec3, normal: Vec3) -> Self {
+        let mut copy = self.clone();
+        let spotlight = copy.template.take().is_some_and(|t| t.spotlight);
+        copy.light.origin = origin;
+        if spotlight {
+            copy.is_spot = true;
+            copy.light.spot = Some(Spot { direction: normal, outer: 0.0, inner: 0.0 });
+        }
+        copy
+    }
+}
+
+fn is_light(entity: &Entity) -> bool {
+    entity.classname().starts_with("light")
+}
+
+/// Reads the light entities, whose switchable styles are already set. What is asked for but not simulated goes to `not_simulated`.
+pub(crate) fn read(
+    entities: &[Entity],
+    world: &WorldSettings,
+    warnings: &mut Vec<String>,
+    not_simulated: &mut BTreeSet<String>,
+) -> Vec<Draft> {
+    let mut drafts = Vec::new();
+    for (index, entity) in entities.iter().enumerate().filter(|(_, e)| is_light(e)) {
+        let mut reader = Reader { entity, place: String::new(), warnings, not_simulated };
+        let origin = entity.setting("origin").and_then(keys::vector).unwrap_or(Vec3::ZERO);
+        reader.place = format!("light at {} {} {}", origin.x, origin.y, origin.z);
+        drafts.push(reader.read(index as u32, origin, world));
+    }
+    drafts
+}
+
+/// One light entity being read.
+struct Reader<'a> {
+    entity: &'a Entity,
+    place: String,
+    warnings: &'a mut Vec<String>,
+    not_simulated: &'a mut BTreeSet<String>,
+}
+
+impl Reader<'_> {
+    fn number(&self, name: &str) -> Option<f32> {
+        self.entity.setting(name).and_then(keys::number)
+    }
+
+    fn flag(&self, name: &str) -> bool {
+        self.entity.setting(name).is_some_and(keys::boolean)
+    }
+
+    fn warn(&mut self, what: &str) {
+        self.warnings.push(format!("{}: {what}", self.place));
+    }
+
+    fn read(&mut self, index: u32, origin: Vec3, world: &WorldSettings) -> Draft {
+        let (brightness, implied_colour) =
+            self.entity.setting("light").map_or((None, None), keys::light);
+        let colour = self.entity.setting("color").and_then(keys::colour).or(implied_colour);
+        let mut brightness = brightness.unwrap_or(300.0);
+        let wait = self.number("wait").filter(|w| *w > 0.0).unwrap_or(1.0);
+        let angle_scale = self.number("anglescale").or_else(|| self.number("anglesense"));
+        let angle_scale =
+            angle_scale.filter(|a| (0.0..=1.0).contains(a)).unwrap_or(world.angle_scale);
+        let mangle = self.entity.setting("mangle").and_then(keys::vector);
+        let delay = self.entity.setting("delay").map_or(0, delay);
+
+        let (mut deviance, mut samples) = (
+            self.number("deviance").unwrap_or(0.0),
+            self.entity.setting("samples").map_or(16, keys::integer),
+        );
+        if deviance <= 0.0 || samples <= 1 {
+            (deviance, samples) = (0.0, 1);
+        }
+        // Delay 0 and 6 are not divided: the contract's Q21.
+        if matches!(delay, 1 | 2 | 3 | 5) {
+            brightness /= samples as f32;
+        }
+        let attenuation = self.attenuation(delay);
+        if attenuation.is_none() || self.is_out_of_scope() {
+            brightness = 0.0;
+        }
+        let outer_angle = self
+            .number("cone")
+            .map(|radius| radius * 2.0)
+            .or_else(|| self.number("angle"))
+            .filter(|a| *a > 0.0)
+            .unwrap_or(40.0);
+        Draft {
+            light: Light {
+                origin,
+                brightness,
+                colour: colour.unwrap_or(Vec3::splat(255.0)),
+                wait,
+                attenuation: attenuation.unwrap_or(Attenuation::Linear),
+                angle_scale,
+                bleed: self.flag("bleed"),
+                style: self
+                    .entity
+                    .setting("style")
+                    .map_or(0, |s| keys::integer(s).clamp(0, 65534) as u16),
+                spot: mangle.map(|m| Spot {
+                    direction: keys::direction(m),
+                    outer: 0.0,
+                    inner: 0.0,
+                }),
+                channel_mask: self.entity.setting("light_channel_mask").map_or(1, keys::integer),
+                entity: index,
+            },
+            template: self.template(world),
+            deviance,
+            samples: samples as u32,
+            is_spot: mangle.is_some(),
+            outer_angle,
+            inner_angle: self.number("softangle").unwrap_or(0.0),
+            target: self.entity.get("target").unwrap_or("").to_owned(),
+            no_nudge: self.flag("nonudge"),
+        }
+    }
+
+    /// The formula for a delay; `None` for a light that does not shine.
+    fn attenuation(&mut self, delay: i32) -> Option<Attenuation> {
+        let falloff = self.number("falloff").filter(|f| *f > 0.0);
+        if falloff.is_some() && delay != 0 {
+            self.warn("falloff works with delay 0 only and is ignored");
+        }
+        Some(match delay {
+            0 => falloff.map_or(Attenuation::Linear, Attenuation::Falloff),
+            1 => Attenuation::Inverse,
+            2 => Attenuation::InverseSquare,
+            3 => Attenuation::Infinite,
+            4 => {
+                self.not_simulated
+                    .insert("light delay 4: local minimum light not simulated yet".into());
+                return None;
+            }
+            5 => Attenuation::InverseSquareOffset,
+            6 => Attenuation::InverseSquareClamped,
+            _ => {
+                self.warn(&format!("delay {delay} is not known, the light is off; use 0 to 5"));
+                return None;
+            }
+        })
+    }
+
+    /// Whether the light is off, or of a kind that is not simulated.
+    fn is_out_of_scope(&mut self) -> bool {
+        for (key, effect) in [
+            ("sun", "sun light"),
+            ("sunlight2", "sky light"),
+            ("sunlight3", "sky light"),
+            ("project_texture", "projected textures"),
+        ] {
+            let value = self.entity.setting(key).unwrap_or("");
+            if !value.is_empty() && keys::boolean(value) {
+                self.not_simulated.insert(format!("light _{key}: {effect} not simulated yet"));
+                return true;
+            }
+        }
+        if self.entity.setting("switchableshadow_target").is_some_and(|t| !t.is_empty()) {
+            self.not_simulated.insert(
+                "light _switchableshadow_target: switchable shadows not simulated yet".into(),
+            );
+            return true;
+        }
+        self.flag("nostaticlight")
+    }
+
+    fn template(&mut self, world: &WorldSettings) -> Option<Template> {
+        let texture = self.entity.get("_surface").filter(|t| !t.is_empty())?;
+        let mode =
+            self.entity.get("_surface_radiosity").map_or(world.surface_light_mode, keys::integer);
+        if mode != 0 {
+            self.not_simulated.insert(
+                "light _surface_radiosity: radiosity surface lights not simulated yet".into(),
+            );
+        }
+        let raw = |name: &str| self.entity.get(name).and_then(keys::number).unwrap_or(0.0);
+        let offset = raw("_surface_offset");
+        Some(Template {
+            texture: if mode == 0 { texture.to_owned() } else { String::new() },
+            offset: if offset == 0.0 { 2.0 } else { offset },
+            spotlight: raw("_surface_spotlight") != 0.0,
+            group: self.entity.setting("surflight_group").map_or(0, keys::integer),
+        })
+    }
+}
+
+/// The `delay` key: a name in any case, else an integer.
+fn delay(text: &str) -> i32 {
+    let names = ["linear", "inverse", "inverse2", "infinite", "localmin", "inverse2a"];
+    let token = text.split_ascii_whitespace().next().unwrap_or("");
+    names
+        .iter()
+        .position(|n| token.eq_ignore_ascii_case(n))
+        .map_or_else(|| keys::integer(token), |i| i as i32)
+}
+
+/// Turns drafts, surface copies already appended, into the lights that shine.
+pub(crate) fn finish(
+    mut drafts: Vec<Draft>,
+    entities: &[Entity],
+    world: &WorldSettings,
+    solid: &Solid,
+    warnings: &mut Vec<String>,
+) -> Result<Vec<Light>> {
+    for draft in drafts.iter_mut().filter(|d| d.template.is_some()) {
+        draft.light.brightness = 0.0;
+    }
+    add_jittered(&mut drafts)?;
+    let mut lights = Vec::new();
+    let mut stuck = Vec::new();
+    for mut draft in drafts {
+        aim(&mut draft, entities, world, warnings);
+        if draft.light.brightness == 0.0 {
+            continue;
+        }
+        if !draft.no_nudge && draft.light.channel_mask == 1 && !nudge(&mut draft.light, solid) {
+            stuck.push(draft.light.origin);
+        }
+        lights.push(draft.light);
+    }
+    if let Some(first) = stuck.first() {
+        warnings.push(format!(
+            "{} lights are inside solid, the first at {} {} {}; move them",
+            stuck.len(),
+            first.x,
+            first.y,
+            first.z
+        ));
+    }
+    Ok(lights)
+}
+
+/// Appends the copies of lights with `_deviance`, spread over a cube around each.
+fn add_jittered(drafts: &mut Vec<Draft>) -> Result<()> {
+    let total = drafts.iter().fold(0_usize, |n, d| {
+        n.saturating_add(if d.light.brightness == 0.0 { 1 } else { d.samples as usize })
+    });
+    if total > LIGHT_LIMIT {
+        return Err(Error::Limit {
+            what: "number of lights, with their _samples".into(),
+            value: total as u64,
+            limit: LIGHT_LIMIT as u64,
+            advice: "lower _samples or raise -surflight_subdivide",
+        });
+    }
+    let mut random = Random::new();
+    for i in 0..drafts.len() {
+        if drafts[i].light.brightness == 0.0 {
+            continue;
+        }
+        let deviance = drafts[i].deviance;
+        for _ in 1..drafts[i].samples {
+            let mut offset = || deviance * (2.0 * random.next() - 1.0);
+            let (x, y, z) = (offset(), offset(), offset());
+            let mut copy = drafts[i].clone();
+            copy.light.origin += Vec3::new(x, y, z);
+            drafts.push(copy);
+        }
+    }
+    Ok(())
+}
+
+/// Points the light at its target and works out its cone.
+fn aim(draft: &mut Draft, entities: &[Entity], world: &WorldSettings, warnings: &mut Vec<String>) {
+    let mut target_distance = 0.0;
+    if !draft.target.is_empty() {
+        let target = entities
+            .iter()
+            .find(|e| e.get("targetname").is_some_and(|n| n.eq_ignore_ascii_case(&draft.target)));
+        if let Some(target) = target {
+            let at = target.get("origin").and_then(keys::vector).unwrap_or(Vec3::ZERO);
+            let towards = at - draft.light.origin;
+            target_distance = length(towards);
+            draft.is_spot = true;
+            draft.light.spot = Some(Spot { direction: normalize(towards), outer: 0.0, inner: 0.0 });
+        } else {
+            let o = draft.light.origin;
+            warnings.push(format!(
+                "light at {} {} {}: no entity has the targetname {:?}; it shines in all directions",
+                o.x, o.y, o.z, draft.target
+            ));
+        }
+    }
+    let (outer, inner) = (draft.outer_angle, draft.inner_angle);
+    let inner = if inner <= 0.0 || inner > outer { outer } else { inner };
+    if !draft.is_spot {
+        return;
+    }
+    if let Some(spot) = &mut draft.light.spot {
+        spot.outer = -(radians(outer / 2.0).cos()) as f32;
+        spot.inner = -(radians(inner / 2.0).cos()) as f32;
+    }
+    if world.spotlight_auto_falloff
+        && target_distance > 0.0
+        && draft.light.attenuation == Attenuation::Linear
+    {
+        let radius = f64::from(target_distance) * radians(outer / 2.0).tan();
+        draft.light.attenuation =
+            Attenuation::Falloff((f64::from(target_distance) + radius) as f32);
+    }
+}
+
+/// Moves a light that is inside the world two units along the first axis that frees it; false if
+/// none does.
+fn nudge(light: &mut Light, solid: &Solid) -> bool {
+    if !solid.contains(0, light.origin) {
+        return true;
+    }
+    let steps = [Vec3::X, Vec3::Y, Vec3::Z].into_iter().flat_map(|axis| [axis * -2.0, axis * 2.0]);
+    for step in steps {
+        if !solid.contains(0, light.origin + step) {
+            light.origin += step;
+            return true;
+        }
+    }
+    false
+}

@@ -1,0 +1,87 @@
+//! Reflectance of surfaces, from the textures (contract section 8.2, but neither truncated nor mixed
+//! with grey).
+
+use super::build::SceneSettings;
+use crate::bsp::{Bsp, MipTex, average_colour};
+use crate::photometry::Reflectance;
+use glam::Vec3;
+use std::collections::BTreeSet;
+
+/// Reflectance where the texture is unknown.
+const GREY: f32 = 0.5;
+/// The most that a surface may reflect: at 1 light in a closed room would never die away.
+const LIMIT: f32 = 0.99;
+
+/// Reflectance of every slot of the texture lump, by its index, and one for faces without texture.
+pub(crate) struct Materials {
+    slots: Vec<Reflectance>,
+    none: Reflectance,
+    lacking: Vec<Option<String>>,
+    too_bright: Vec<bool>,
+}
+
+impl Materials {
+    /// Averages the textures of the BSP, or their replacements of the same name.
+    pub fn new(bsp: &Bsp, settings: &SceneSettings) -> Self {
+        let scaled = |colour: Vec3| {
+            let colour = if settings.grey { Vec3::splat(GREY) } else { colour };
+            colour * settings.reflectance_scale
+        };
+        let limited = |scaled: Vec3| Reflectance(scaled.clamp(Vec3::ZERO, Vec3::splat(LIMIT)));
+        let none = limited(scaled(Vec3::splat(GREY)));
+        let (mut lacking, mut too_bright) = (Vec::new(), Vec::new());
+        let slots = bsp
+            .textures
+            .iter()
+            .map(|slot| {
+                let colour = slot.as_ref().and_then(|t| average(t, &settings.textures));
+                lacking.push(match (&colour, slot) {
+                    (Some(_), _) => None,
+                    (None, Some(t)) => Some(t.name.clone()),
+                    (None, None) => Some("(absent from the BSP)".to_owned()),
+                });
+                let scaled = scaled(colour.unwrap_or(Vec3::splat(GREY)));
+                too_bright.push(scaled.max_element() > LIMIT);
+                limited(scaled)
+            })
+            .collect();
+        Self { slots, none, lacking, too_bright }
+    }
+
+    /// Reflectance of the texture in a slot of the texture lump.
+    pub fn of(&self, texture: Option<u32>) -> Reflectance {
+        texture.and_then(|t| self.slots.get(t as usize)).copied().unwrap_or(self.none)
+    }
+
+    /// Warns about the textures of reflecting surfaces: once about those whose pixels are not known,
+    /// and once about those that would reflect too much.
+    pub fn warn(&self, used: impl Iterator<Item = u32>, warnings: &mut Vec<String>) {
+        let used: BTreeSet<usize> = used.map(|t| t as usize).collect();
+        let names: BTreeSet<&str> =
+            used.iter().filter_map(|&t| self.lacking.get(t)?.as_deref()).collect();
+        if !names.is_empty() {
+            let names: Vec<&str> = names.into_iter().collect();
+            warnings.push(format!(
+                "no pixels for the textures {}: reflectance 0.5 is used; give a WAD with --wad",
+                names.join(", ")
+            ));
+        }
+        let count = used.iter().filter(|&&t| self.too_bright.get(t) == Some(&true)).count();
+        if count > 0 {
+            warnings.push(format!(
+                "{count} textures reflect more than {LIMIT} and are lowered to it; \
+                 lower --reflectance-scale"
+            ));
+        }
+    }
+}
+
+/// Mean colour of a texture in 0 to 1, from its own pixels or those of its replacement.
+fn average(texture: &MipTex, replacements: &[MipTex]) -> Option<Vec3> {
+    let own = texture.pixels.as_deref();
+    let pixels = own.or_else(|| {
+        let same = replacements.iter().find(|r| r.name.eq_ignore_ascii_case(&texture.name))?;
+        same.pixels.as_deref()
+    })?;
+    average_colour(pixels)
+}

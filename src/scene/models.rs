@@ -1,0 +1,170 @@
+//! Brush models as light sees them (contract sections 6.6 and 7.1).
+
+use super::keys;
+use crate::bsp::{Bsp, Entity};
+use glam::Vec3;
+use std::collections::BTreeSet;
+
+/// Which rays the faces of a model block.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ShadowClass {
+    /// The world: all rays.
+    World,
+    /// `_switchableshadow`: rays of style 0 move to another style. Not simulated yet.
+    Switchable,
+    /// `_shadow`: all rays.
+    Shadow,
+    /// `_shadowself`: rays to the same model. Not simulated yet.
+    ShadowSelf,
+    /// `_shadowworldonly`: rays to the world. Not simulated yet.
+    ShadowWorldOnly,
+    /// None.
+    None,
+}
+
+impl ShadowClass {
+    /// Whether the model blocks light as far as that is simulated.
+    pub fn casts(self) -> bool {
+        matches!(self, Self::World | Self::Shadow)
+    }
+}
+
+/// A brush model; index 0 is the world.
+#[derive(Clone, Debug)]
+pub struct Model {
+    /// World position of the model's own origin.
+    pub offset: Vec3,
+    /// Which rays its faces block.
+    pub shadow: ShadowClass,
+    /// Opacity, 0 to 1, if the entity gives one.
+    pub alpha: Option<f32>,
+    /// Channels of light that its faces receive.
+    pub channel_mask: i32,
+    /// Its faces receive no light.
+    pub light_ignore: bool,
+    /// Cap on luxels in levels, if the entity gives one.
+    pub max_light: Option<f32>,
+    /// Saturation of light received, if the entity gives one.
+    pub colour_scale: Option<f32>,
+}
+
+impl Model {
+    fn world() -> Self {
+        Self {
+            offset: Vec3::ZERO,
+            shadow: ShadowClass::World,
+            alpha: None,
+            channel_mask: 1,
+            light_ignore: false,
+            max_light: None,
+            colour_scale: None,
+        }
+    }
+
+    /// Whether faces of the model go into the ray tracer.
+    pub fn casts(&self) -> bool {
+        self.shadow.casts() && self.channel_mask == 1
+    }
+}
+
+/// Keys of brush models whose effect is not simulated yet.
+const NOT_SIMULATED: [(&str, &str); 7] = [
+    ("minlight", "minimum light"),
+    ("dirt", "dirt"),
+    ("phong", "smoothed normals"),
+    ("phong_angle", "smoothed normals"),
+    ("autominlight", "automatic minimum light"),
+    ("shadowself", "shadows on the model itself"),
+    ("shadowworldonly", "shadows on the world only"),
+];
+
+/// The models of a map, from the entities that own them.
+pub(crate) fn read(
+    bsp: &Bsp,
+    entities: &[Entity],
+    warnings: &mut Vec<String>,
+    not_simulated: &mut BTreeSet<String>,
+) -> Vec<Model> {
+    let switched: Vec<&str> = entities
+        .iter()
+        .filter_map(|e| e.setting("switchableshadow_target"))
+        .filter(|t| !t.is_empty())
+        .collect();
+    let mut owners = vec![None; bsp.models.len()];
+    for entity in entities {
+        let number = entity.get("model").and_then(|m| m.strip_prefix('*'));
+        let Some(owner) = number.and_then(|n| n.parse::<usize>().ok()) else { continue };
+        if let Some(slot @ None) = owners.get_mut(owner) {
+            *slot = Some(entity);
+        }
+    }
+    let mut orphans = Vec::new();
+    let mut models = Vec::with_capacity(owners.len());
+    for (index, owner) in owners.into_iter().enumerate() {
+        models.push(match owner {
+            _ if index == 0 => Model::world(),
+            Some(entity) => {
+                for (key, effect) in NOT_SIMULATED {
+                    if entity.setting(key).and_then(keys::number).is_some_and(|v| v != 0.0) {
+                        not_simulated
+                            .insert(format!("brush model _{key}: {effect} not simulated yet"));
+                    }
+                }
+                brush_model(entity, &switched)
+            }
+            None => {
+                orphans.push(format!("*{index}"));
+                Model { shadow: ShadowClass::None, ..Model::world() }
+            }
+        });
+        let model = &models[index];
+        if model.shadow == ShadowClass::Switchable {
+            not_simulated.insert(
+                "brush model _switchableshadow: switchable shadows not simulated yet".into(),
+            );
+        }
+        if model.channel_mask != 1 {
+            not_simulated.insert(
+                "brush model _object_channel_mask: shadows in other channels not simulated yet"
+                    .into(),
+            );
+        }
+        if model.casts() && bsp.models[index].face_count == 0 {
+            not_simulated
+                .insert("brush model without faces: its shadow is not simulated yet".into());
+        }
+    }
+    if !orphans.is_empty() {
+        warnings.push(format!(
+            "no entity has the brush models {}; they are lit where they were built",
+            orphans.join(", ")
+        ));
+    }
+    models
+}
+
+fn brush_model(entity: &Entity, switched: &[&str]) -> Model {
+    let number = |name: &str| entity.setting(name).and_then(keys::number);
+    let on = |name: &str| number(name).is_some_and(|v| v > 0.0);
+    let name = entity.get("targetname").unwrap_or("");
+    let shadow = if on("switchableshadow") || switched.contains(&name) {
+        ShadowClass::Switchable
+    } else if on("shadow") {
+        ShadowClass::Shadow
+    } else if on("shadowself") || on("selfshadow") {
+        ShadowClass::ShadowSelf
+    } else if on("shadowworldonly") {
+        ShadowClass::ShadowWorldOnly
+    } else {
+        ShadowClass::None
+    };
+    Model {
+        offset: entity.setting("origin").and_then(keys::vector).unwrap_or(Vec3::ZERO),
+        shadow,
+        alpha: number("alpha").map(|a| a.clamp(0.0, 1.0)),
+        channel_mask: entity.setting("object_channel_mask").map_or(1, keys::integer),
+        light_ignore: entity.setting("lightignore").is_some_and(keys::boolean),
+        max_light: number("maxlight"),
+        colour_scale: number("lightcolorscale"),
+    }
+}

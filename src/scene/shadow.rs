@@ -1,0 +1,235 @@
+//! Shadow rays: whether light gets from one point to another (contract section 7.3).
+//!
+//! Map geometry and luxels lie on whole numbers, so rays that meet the very edge of a face come in
+//! whole rows. Where every ray a hair beside such a ray is blocked, it runs through the seam of two
+//! faces and is blocked too. Otherwise it touches the rim of a solid, where either answer is right,
+//! and [`tie`] gives the reference's.
+
+use super::tie;
+use super::tracer::Tracer;
+use glam::{DVec3, Vec3};
+
+/// Barycentric distance to an edge, relative to the triangle, below which a ray meets the edge.
+const ON_EDGE: f64 = 1e-6;
+/// How far beside a ray its neighbours run, in world units.
+const BESIDE: f64 = 1.0 / 512.0;
+/// By how much boxes are widened, in world units: more than the rounding of their tests.
+const BOX_MARGIN: f32 = 1.0 / 64.0;
+
+/// Traces shadow rays and remembers what blocked the last one, as the next is likely to meet it too.
+/// What it remembers makes it faster but does not change an answer.
+pub struct ShadowRays<'a> {
+    tracer: &'a Tracer,
+    last_blocker: Option<u32>,
+    stack: Vec<u32>,
+    /// Polygons that the last ray met at an edge.
+    touched: Vec<u32>,
+    rays: u64,
+}
+
+/// How a ray meets a polygon.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum Contact {
+    None,
+    Edge,
+    Inside,
+}
+
+impl<'a> ShadowRays<'a> {
+    /// A tracer of rays through `tracer`'s polygons.
+    pub fn new(tracer: &'a Tracer) -> Self {
+        Self { tracer, last_blocker: None, stack: Vec::new(), touched: Vec::new(), rays: 0 }
+    }
+
+    /// Rays asked for so far.
+    pub fn rays(&self) -> u64 {
+        self.rays
+    }
+
+    /// Whether a polygon lies between the two points. Both sides of a polygon block. A polygon
+    /// through `to` itself blocks, one through `from` does not.
+    pub fn blocked(&mut self, from: Vec3, to: Vec3) -> bool {
+        self.rays += 1;
+        let (start, way) = (from.as_dvec3(), to.as_dvec3() - from.as_dvec3());
+        if let Some(last) = self.last_blocker
+            && meet(self.corners(last), start, way) == Contact::Inside
+        {
+            return true;
+        }
+        match self.contact(start, way) {
+            Contact::None => false,
+            Contact::Inside => true,
+            Contact::Edge => {
+                let touched = std::mem::take(&mut self.touched);
+                let tied = touched.iter().any(|&p| tie::blocked(self.corners(p), from, to));
+                self.touched = touched;
+                tied || self.blocked_beside(start, way)
+            }
+        }
+    }
+
+    /// Whether the rays a hair beside a ray are all blocked.
+    fn blocked_beside(&mut self, start: DVec3, way: DVec3) -> bool {
+        let (a, b) = way.normalize_or_zero().any_orthonormal_pair();
+        let mut blocked = |side: DVec3| self.contact(start + side * BESIDE, way) != Contact::None;
+        blocked(a) && blocked(-a) && blocked(b) && blocked(-b)
+    }
+
+    fn corners(&self, polygon: u32) -> &'a [Vec3] {
+        &self.tracer.polygons()[polygon as usize].vertices
+    }
+
+    /// The closest contact of a ray with any polygon.
+    fn contact(&mut self, start: DVec3, way: DVec3) -> Contact {
+        let nodes = self.tracer.nodes();
+        let slabs = Slabs::new(start.as_vec3(), way.as_vec3());
+        let mut best = Contact::None;
+        self.stack.clear();
+        self.touched.clear();
+        if !nodes.is_empty() {
+            self.stack.push(0);
+        }
+        while let Some(node) = self.stack.pop() {
+            let node = &nodes[node as usize];
+            if !slabs.meet(node.min, node.max) {
+                continue;
+            }
+            if node.count == 0 {
+                self.stack.extend([node.first + 1, node.first]);
+                continue;
+            }
+            for slot in node.first..node.first + node.count {
+                let (corners, _, polygon) = self.tracer.polygon(slot);
+                let contact = meet(corners, start, way);
+                if contact == Contact::Inside {
+                    self.last_blocker = Some(polygon);
+                    return contact;
+                }
+                if contact == Contact::Edge {
+                    self.touched.push(polygon);
+                    best = contact;
+                }
+            }
+        }
+        best
+    }
+}
+
+/// A ray prepared for tests against boxes.
+struct Slabs {
+    start: Vec3,
+    inverse: Vec3,
+}
+
+impl Slabs {
+    fn new(start: Vec3, way: Vec3) -> Self {
+        // A component of zero gets a huge finite inverse, so that no product is 0 times infinity.
+        let inverse = way.to_array().map(|d| if d.abs() < 1e-30 { 1e30 } else { 1.0 / d });
+        Self { start, inverse: Vec3::from(inverse) }
+    }
+
+    fn meet(&self, min: Vec3, max: Vec3) -> bool {
+        let margin = Vec3::splat(BOX_MARGIN);
+        let a = (min - margin - self.start) * self.inverse;
+        let b = (max + margin - self.start) * self.inverse;
+        a.min(b).max_element().max(0.0) <= a.max(b).min_element().min(1.0)
+    }
+}
+
+/// How the ray `start + t way`, 0 < t <= 1, meets the fan of triangles around a polygon's first
+/// corner. Möller and Trumbore, "Fast, minimum storage ray/triangle intersection" (1997), both
+/// sides, in double precision so that whole-number geometry is exact.
+fn meet(v: &[Vec3], start: DVec3, way: DVec3) -> Contact {
+    let corner = v[0].as_dvec3();
+    let from_corner = start - corner;
+    let mut best = Contact::None;
+    let mut ab = v[1].as_dvec3() - corner;
+    for c in &v[2..] {
+        let ac = c.as_dvec3() - corner;
+        let p = way.cross(ac);
+        let q = from_corner.cross(ab);
+        let det = ab.dot(p);
+        let scale = det.abs();
+        let sign = det.signum();
+        let (u, v, t) = (from_corner.dot(p) * sign, way.dot(q) * sign, ac.dot(q) * sign);
+        let least = u.min(v).min(scale - u - v);
+        if scale > 0.0 && t > 0.0 && t <= scale && least >= -ON_EDGE * scale {
+            best = best.max(if least > ON_EDGE * scale { Contact::Inside } else { Contact::Edge });
+        }
+        ab = ac;
+    }
+    best
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::tracer::Polygon;
+    use super::*;
+
+    fn square(corners: [[f32; 3]; 4]) -> Polygon {
+        let vertices = corners.map(Vec3::from).to_vec();
+        let normal = (vertices[2] - vertices[0]).cross(vertices[1] - vertices[0]).normalize();
+        Polygon { vertices, normal }
+    }
+
+    /// Two halves of a wall in the plane x = 0 that meet at y = 0.
+    fn wall() -> Tracer {
+        let half = |y0: f32, y1: f32| {
+            square([[0.0, y0, -8.0], [0.0, y0, 8.0], [0.0, y1, 8.0], [0.0, y1, -8.0]])
+        };
+        Tracer::new(vec![half(-8.0, 0.0), half(0.0, 8.0)])
+    }
+
+    fn blocked(tracer: &Tracer, from: [f32; 3], to: [f32; 3]) -> bool {
+        let (from, to) = (Vec3::from(from), Vec3::from(to));
+        let answer = ShadowRays::new(tracer).blocked(from, to);
+        assert_eq!(answer, ShadowRays::new(tracer).blocked(to, from), "from either end");
+        answer
+    }
+
+    #[test]
+    fn walls_block_even_through_their_seams() {
+        let wall = wall();
+        assert!(blocked(&wall, [-4.0, 2.0, 1.0], [4.0, 3.0, 1.0]));
+        assert!(blocked(&wall, [-4.0, 0.0, 1.0], [4.0, 0.0, 1.0]), "along the seam");
+        assert!(blocked(&wall, [-4.0, -1.0, 1.0], [4.0, 1.0, -1.0]), "across the seam");
+        assert!(!blocked(&wall, [-4.0, 9.0, 1.0], [4.0, 9.0, 1.0]), "beside");
+        assert!(!blocked(&wall, [-4.0, 2.0, 1.0], [-1.0, 3.0, 1.0]), "ends before");
+    }
+
+    #[test]
+    fn only_rays_along_the_rim_depend_on_rounding() {
+        let wall = wall();
+        assert!(!blocked(&wall, [-4.0, 8.0, 1.0], [4.0, 8.0, 1.0]), "as the reference has it");
+        assert!(blocked(&wall, [-4.0, 7.9999, 1.0], [4.0, 7.9999, 1.0]));
+        assert!(!blocked(&wall, [-4.0, 8.0001, 1.0], [4.0, 8.0001, 1.0]));
+    }
+
+    #[test]
+    fn ends_count_as_documented() {
+        let wall = wall();
+        let mut rays = ShadowRays::new(&wall);
+        assert!(rays.blocked(Vec3::new(-4.0, 2.0, 1.0), Vec3::new(0.0, 2.0, 1.0)));
+        assert!(
+            !ShadowRays::new(&wall).blocked(Vec3::new(0.0, 2.0, 1.0), Vec3::new(4.0, 2.0, 1.0))
+        );
+        assert!(!rays.blocked(Vec3::ONE, Vec3::ONE), "a ray of no length");
+        assert!(!ShadowRays::new(&Tracer::new(Vec::new())).blocked(Vec3::ZERO, Vec3::ONE));
+        assert_eq!(rays.rays(), 2);
+    }
+
+    #[test]
+    fn memory_of_the_last_blocker_changes_no_answer() {
+        let wall = wall();
+        let mut remembering = ShadowRays::new(&wall);
+        for i in 0..400_u16 {
+            let (a, b) = (f32::from(i % 20) - 10.0, f32::from(i / 20) - 10.0);
+            let (from, to) = (Vec3::new(-3.0, a, b), Vec3::new(5.0, b, a));
+            assert_eq!(
+                remembering.blocked(from, to),
+                ShadowRays::new(&wall).blocked(from, to),
+                "{from} {to}"
+            );
+        }
+    }
+}

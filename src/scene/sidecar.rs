@@ -1,0 +1,213 @@
+//! The files that `qbsp` writes beside a map (contract section 1.5): `<map>.texinfo.json` with the
+//! keys of brush entities that the BSP cannot hold, and `<map>.content.json` with exact leaf contents.
+
+use serde_json::Value;
+use std::collections::BTreeSet;
+
+/// Text of the sidecar files, as far as they exist.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Sidecar<'a> {
+    /// `<map>.texinfo.json`.
+    pub texinfo: Option<&'a str>,
+    /// `<map>.content.json`.
+    pub content: Option<&'a str>,
+}
+
+/// Keys of one texinfo; the defaults stand for "not given".
+#[derive(Clone, Debug, PartialEq)]
+pub struct TexInfoKeys {
+    /// Faces do not block light.
+    pub no_shadow: bool,
+    /// Faces do not send light back.
+    pub no_bounce: bool,
+    /// Faces receive no light from lights, suns and bounces.
+    pub light_ignore: bool,
+    /// Largest angle in degrees over which normals are smoothed; 0 is flat.
+    pub phong_angle: f32,
+    /// The same for concave edges; 0 means as `phong_angle`.
+    pub phong_angle_concave: f32,
+    /// Smoothing group.
+    pub phong_group: i32,
+    /// Surface-light templates of the same group apply.
+    pub surflight_group: i32,
+    /// Overrides whether faces are lit from both sides.
+    pub light_twosided: Option<bool>,
+    /// Opacity, 0 to 1.
+    pub light_alpha: Option<f32>,
+    /// Cap on luxels in levels; 0 is none.
+    pub max_light: f32,
+    /// Saturation of the light received, 0 (grey) to 1.
+    pub colour_scale: f32,
+    /// Channels of light that the faces receive.
+    pub channel_mask: Option<i32>,
+}
+
+impl Default for TexInfoKeys {
+    fn default() -> Self {
+        Self {
+            no_shadow: false,
+            no_bounce: false,
+            light_ignore: false,
+            phong_angle: 0.0,
+            phong_angle_concave: 0.0,
+            phong_group: 0,
+            surflight_group: 0,
+            light_twosided: None,
+            light_alpha: None,
+            max_light: 0.0,
+            colour_scale: 1.0,
+            channel_mask: None,
+        }
+    }
+}
+
+/// Members that ask for an effect which is not simulated yet.
+const NOT_SIMULATED: [(&str, &str); 5] = [
+    ("minlight", "minimum light"),
+    ("phong_angle", "smoothed normals"),
+    ("phong_group", "smoothed normals"),
+    ("surflight_targetname", "switchable surface lights"),
+    ("world_units_per_luxel", "decoupled lightmaps"),
+];
+
+/// Keys per texinfo, `count` of them. An unusable text counts as absent and gives a warning, as in
+/// the reference; members that are not simulated are added to `not_simulated`.
+pub(crate) fn texinfo_keys(
+    text: Option<&str>,
+    count: usize,
+    warnings: &mut Vec<String>,
+    not_simulated: &mut BTreeSet<String>,
+) -> Vec<TexInfoKeys> {
+    let mut keys = vec![TexInfoKeys::default(); count];
+    let Some(text) = text else { return keys };
+    let object = match serde_json::from_str::<Value>(text) {
+        Ok(Value::Object(object)) => object,
+        Ok(_) => {
+            warnings.push("texinfo.json: not a JSON object; the file is ignored".into());
+            return keys;
+        }
+        Err(e) => {
+            warnings.push(format!("texinfo.json: {e}; the file is ignored"));
+            return keys;
+        }
+    };
+    let mut parsed = Vec::with_capacity(object.len());
+    for (name, value) in &object {
+        match name.parse::<usize>() {
+            Ok(index) if index < count => parsed.push((index, value)),
+            _ => {
+                warnings.push(format!(
+                    "texinfo.json: {name:?} is not a texinfo of this map, which has {count}; \
+                     the file is ignored (is it from another build?)"
+                ));
+                return keys;
+            }
+        }
+    }
+    for (index, value) in parsed {
+        keys[index] = read_keys(value);
+        for (member, effect) in NOT_SIMULATED {
+            if value.get(member).is_some_and(|v| v.as_f64() != Some(0.0)) {
+                not_simulated.insert(format!("texinfo.json {member}: {effect} not simulated yet"));
+            }
+        }
+    }
+    keys
+}
+
+fn read_keys(value: &Value) -> TexInfoKeys {
+    let flag = |name: &str| value.get(name).and_then(Value::as_bool);
+    let number = |name: &str| {
+        value.get(name).and_then(Value::as_f64).map(|v| v as f32).filter(|v| v.is_finite())
+    };
+    let integer = |name: &str| value.get(name).and_then(Value::as_i64).map(|v| v as i32);
+    TexInfoKeys {
+        no_shadow: flag("no_shadow").unwrap_or(false),
+        no_bounce: flag("no_bounce").unwrap_or(false),
+        light_ignore: flag("light_ignore").unwrap_or(false),
+        phong_angle: number("phong_angle").unwrap_or(0.0),
+        phong_angle_concave: number("phong_angle_concave").unwrap_or(0.0),
+        phong_group: integer("phong_group").unwrap_or(0),
+        surflight_group: integer("surflight_group").unwrap_or(0),
+        light_twosided: flag("light_twosided"),
+        light_alpha: number("light_alpha"),
+        max_light: number("maxlight").unwrap_or(0.0),
+        colour_scale: number("lightcolorscale").unwrap_or(1.0),
+        channel_mask: integer("object_channel_mask"),
+    }
+}
+
+/// Which leafs are solid for samples and lights: from content.json when it is there and fits,
+/// else from the leaf contents of the BSP (-2 solid, -6 sky).
+pub(crate) fn solid_leafs(
+    text: Option<&str>,
+    contents: &[i32],
+    warnings: &mut Vec<String>,
+) -> Vec<bool> {
+    let native = || contents.iter().map(|c| matches!(c, -2 | -6)).collect();
+    let Some(text) = text else { return native() };
+    match serde_json::from_str::<Vec<Vec<String>>>(text) {
+        Ok(leafs) if leafs.len() == contents.len() => leafs
+            .iter()
+            .map(|names| {
+                names.iter().any(|n| {
+                    ["SOLID", "DETAIL_WALL", "SKY"].iter().any(|s| n.eq_ignore_ascii_case(s))
+                })
+            })
+            .collect(),
+        Ok(leafs) => {
+            warnings.push(format!(
+                "content.json: {} leafs, the map has {}; the file is ignored",
+                leafs.len(),
+                contents.len()
+            ));
+            native()
+        }
+        Err(e) => {
+            warnings.push(format!("content.json: {e}; the file is ignored"));
+            native()
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn keys(text: &str, count: usize) -> (Vec<TexInfoKeys>, Vec<String>, BTreeSet<String>) {
+        let (mut warnings, mut missing) = (Vec::new(), BTreeSet::new());
+        let keys = texinfo_keys(Some(text), count, &mut warnings, &mut missing);
+        (keys, warnings, missing)
+    }
+
+    #[test]
+    fn members_are_read_and_others_keep_their_defaults() {
+        let text = r#"{"0":{},"1":{"no_shadow":true,"phong_angle":89.0,"surflight_group":3}}"#;
+        let (keys, warnings, missing) = keys(text, 2);
+        assert!(warnings.is_empty());
+        assert_eq!(keys[0], TexInfoKeys::default());
+        assert!(keys[1].no_shadow && keys[1].phong_angle == 89.0 && keys[1].surflight_group == 3);
+        assert_eq!(missing.len(), 1);
+    }
+
+    #[test]
+    fn unusable_files_are_ignored_whole_with_one_warning() {
+        for text in [r#"{"0":{"no_shadow":true},"7":{}}"#, "[]", "{", r#"{"x":{}}"#] {
+            let (keys, warnings, _) = keys(text, 1);
+            assert_eq!(keys, [TexInfoKeys::default()], "{text}");
+            assert_eq!(warnings.len(), 1, "{text}");
+        }
+    }
+
+    #[test]
+    fn contents_prefer_the_sidecar_when_it_fits() {
+        let mut w = Vec::new();
+        let native = [-2, -1, -6, -3];
+        assert_eq!(solid_leafs(None, &native, &mut w), [true, false, true, false]);
+        let text = r#"[["window"],["Solid"],[],["SKY","x"]]"#;
+        assert_eq!(solid_leafs(Some(text), &native, &mut w), [false, true, false, true]);
+        assert!(w.is_empty());
+        assert_eq!(solid_leafs(Some("[[]]"), &native, &mut w), [true, false, true, false]);
+        assert_eq!(w.len(), 1);
+    }
+}

@@ -1,0 +1,141 @@
+//! Whether a point is inside solid: descent through hull 0 of the brush models (contract 2.6).
+
+use super::exact::dot64;
+use crate::bsp::Bsp;
+use glam::{DVec3, Vec3};
+
+/// Planes nearer than this do not decide: a point so close to one is solid if either side is.
+const NEAR_PLANE: f64 = 0.1;
+
+struct Split {
+    normal: DVec3,
+    dist: f64,
+    /// The axis of an axial plane.
+    axis: Option<usize>,
+    /// Child `c >= 0` is a split, `c < 0` is leaf `-1 - c`; front first.
+    children: [i32; 2],
+}
+
+impl Split {
+    fn distance(&self, p: DVec3) -> f64 {
+        match self.axis {
+            Some(axis) => p[axis] - self.dist,
+            None => dot64(p, self.normal) - self.dist,
+        }
+    }
+}
+
+/// The solid space of every brush model.
+pub struct Solid {
+    splits: Vec<Split>,
+    leaf_solid: Vec<bool>,
+    heads: Vec<i32>,
+}
+
+impl Solid {
+    /// Takes the trees from a BSP; `leaf_solid` has one entry a leaf.
+    pub(crate) fn new(bsp: &Bsp, leaf_solid: Vec<bool>) -> Self {
+        let splits = bsp
+            .nodes
+            .iter()
+            .map(|node| {
+                let plane = bsp.planes[node.plane as usize];
+                Split {
+                    normal: plane.normal.as_dvec3(),
+                    dist: plane.dist.into(),
+                    axis: usize::try_from(plane.kind).ok().filter(|k| *k < 3),
+                    children: node.children,
+                }
+            })
+            .collect();
+        Self { splits, leaf_solid, heads: bsp.models.iter().map(|m| m.head_node).collect() }
+    }
+
+    /// Whether a point, in the coordinates of brush model `model`, is inside its solid or within
+    /// 0.1 units of it. A model without a tree has no solid.
+    pub fn contains(&self, model: usize, point: Vec3) -> bool {
+        let Some(&head) = self.heads.get(model) else { return false };
+        let p = point.as_dvec3();
+        let mut open = vec![head];
+        // A tree reaches each split once; what goes on for longer is no tree.
+        let mut steps = 2 * self.splits.len() + 2;
+        while let Some(mut node) = open.pop() {
+            while let Some(split) = usize::try_from(node).ok().and_then(|n| self.splits.get(n)) {
+                if steps == 0 {
+                    return false;
+                }
+                steps -= 1;
+                let d = split.distance(p);
+                node = split.children[usize::from(d < 0.0)];
+                if d.abs() <= NEAR_PLANE {
+                    open.push(split.children[usize::from(d >= 0.0)]);
+                }
+            }
+            if node < 0 && self.leaf_solid.get(!node as usize).copied().unwrap_or(false) {
+                return true;
+            }
+        }
+        false
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Solid for x < 0, and for z < 0 where x > 0; the second plane is not axial in name.
+    fn corner() -> Solid {
+        let split = |normal: Vec3, axis, children| Split {
+            normal: normal.as_dvec3(),
+            dist: 0.0,
+            axis,
+            children,
+        };
+        Solid {
+            splits: vec![split(Vec3::X, Some(0), [1, -1]), split(Vec3::Z, None, [-2, -1])],
+            leaf_solid: vec![true, false],
+            heads: vec![0, -2],
+        }
+    }
+
+    #[test]
+    fn both_sides_count_near_a_plane() {
+        let solid = corner();
+        for (p, inside) in [
+            ([1.0, 0.0, 1.0], false),
+            ([0.11, 0.0, 0.11], false),
+            ([0.1, 0.0, 1.0], true),
+            ([1.0, 0.0, 0.1], true),
+            ([1.0, 0.0, -1.0], true),
+            ([-1.0, 0.0, 1.0], true),
+        ] {
+            assert_eq!(solid.contains(0, Vec3::from(p)), inside, "{p:?}");
+        }
+    }
+
+    #[test]
+    fn leaf_heads_missing_models_and_loops_end() {
+        let mut solid = corner();
+        assert!(!solid.contains(1, Vec3::ZERO), "model 1 is an empty leaf");
+        assert!(!solid.contains(9, Vec3::ZERO));
+        solid.splits[1].children = [0, 0];
+        assert!(!solid.contains(0, Vec3::new(1.0, 0.0, 0.05)));
+    }
+
+    #[test]
+    fn a_deep_tree_does_not_exhaust_the_stack() {
+        let mut solid = corner();
+        let n = 1_000_000;
+        solid.splits = (0..n)
+            .map(|i| Split {
+                normal: DVec3::X,
+                dist: 0.0,
+                axis: Some(0),
+                children: [if i + 1 < n { i + 1 } else { -1 }, -2],
+            })
+            .collect();
+        assert!(solid.contains(0, Vec3::X));
+        assert!(solid.contains(0, Vec3::ZERO));
+        assert!(!solid.contains(0, -Vec3::X));
+    }
+}

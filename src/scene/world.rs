@@ -1,0 +1,108 @@
+//! Settings that the map's worldspawn makes for the whole scene (contract section 9.2).
+
+use super::keys;
+use crate::bsp::Entity;
+use std::collections::BTreeSet;
+
+/// Worldspawn settings. Any of them may be spelled with leading underscores.
+#[derive(Clone, Debug, PartialEq)]
+pub struct WorldSettings {
+    /// `dist`: scale on all light distances, 0 to 100.
+    pub dist: f32,
+    /// `range`: luxel level per light unit, 0 to 100.
+    pub range: f32,
+    /// `anglescale`: share of the cosine law for lights without their own, 0 to 1.
+    pub angle_scale: f32,
+    /// `gamma`: output gamma, 0 to 100.
+    pub gamma: f32,
+    /// `maxlight`: cap on luxels, 0 is none.
+    pub max_light: f32,
+    /// `spotlightautofalloff`: targeted linear spots end just behind their target.
+    pub spotlight_auto_falloff: bool,
+    /// `gate`: contributions up to this brightness are dropped without tracing a ray.
+    pub gate: f32,
+    /// `surflight_subdivide`: size of the pieces of a light surface, in world units, 64 to 2048.
+    pub surface_light_size: f32,
+    /// `surflight_radiosity`: mode of surface lights without their own; only 0 is simulated.
+    pub surface_light_mode: i32,
+    /// `_lightmap_scale`: world units (texels) between luxels, 16 by default.
+    pub luxel_size: u32,
+}
+
+impl Default for WorldSettings {
+    fn default() -> Self {
+        Self {
+            dist: 1.0,
+            range: 0.5,
+            angle_scale: 0.5,
+            gamma: 1.0,
+            max_light: 0.0,
+            spotlight_auto_falloff: false,
+            gate: 0.001,
+            surface_light_size: 128.0,
+            surface_light_mode: 0,
+            luxel_size: 16,
+        }
+    }
+}
+
+/// Keys that ask for effects not simulated yet, with the effect.
+const NOT_SIMULATED: [(&str, &str); 12] = [
+    ("sunlight", "sun light"),
+    ("sun_light", "sun light"),
+    ("sun2", "sun light"),
+    ("sunlight2", "sky light"),
+    ("sunlight3", "sky light"),
+    ("light", "minimum light"),
+    ("minlight", "minimum light"),
+    ("dirt", "dirt"),
+    ("dirty", "dirt"),
+    ("phong_angle", "smoothed normals"),
+    ("surflight_radiosity", "radiosity surface lights"),
+    ("world_units_per_luxel", "decoupled lightmaps"),
+];
+
+impl WorldSettings {
+    /// Reads the keys of worldspawn. Unusable values keep the default with a warning.
+    pub(crate) fn read(
+        world: &Entity,
+        warnings: &mut Vec<String>,
+        not_simulated: &mut BTreeSet<String>,
+    ) -> Self {
+        let mut s = Self::default();
+        let mut set = |names: &[&str], low: f32, high: f32, value: &mut f32| {
+            for name in names {
+                let Some(v) = world.setting(name).and_then(keys::number) else { continue };
+                *value = v.clamp(low, high);
+                if *value != v {
+                    warnings.push(format!(
+                        "worldspawn {name}: {v} is outside {low} to {high}, {value} is used"
+                    ));
+                }
+            }
+        };
+        set(&["dist"], 0.0, 100.0, &mut s.dist);
+        set(&["range"], 0.0, 100.0, &mut s.range);
+        set(&["anglesense", "anglescale"], 0.0, 1.0, &mut s.angle_scale);
+        set(&["gamma"], 0.0, 100.0, &mut s.gamma);
+        set(&["maxlight"], 0.0, f32::MAX, &mut s.max_light);
+        set(&["gate"], 0.0, f32::MAX, &mut s.gate);
+        set(&["surflight_subdivide"], 64.0, 2048.0, &mut s.surface_light_size);
+        s.spotlight_auto_falloff = world.setting("spotlightautofalloff").is_some_and(keys::boolean);
+        s.surface_light_mode = world.setting("surflight_radiosity").map_or(0, keys::integer);
+        let luxel = world.setting("lightmap_scale").map_or(0, keys::integer);
+        match u32::try_from(luxel) {
+            Ok(0) => {}
+            Ok(size) => s.luxel_size = size,
+            Err(_) => warnings.push(format!(
+                "worldspawn _lightmap_scale: {luxel} is negative, 16 is used; give 1 or more"
+            )),
+        }
+        for (name, effect) in NOT_SIMULATED {
+            if world.setting(name).and_then(keys::number).is_some_and(|v| v > 0.0) {
+                not_simulated.insert(format!("worldspawn {name}: {effect} not simulated yet"));
+            }
+        }
+        s
+    }
+}
