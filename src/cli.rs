@@ -154,6 +154,18 @@ impl Cli {
         .checked()
     }
 
+    /// Number of threads; 0 stands for one a core.
+    ///
+    /// # Errors
+    /// When it is 0 or above 1024.
+    pub fn threads(&self) -> Result<usize> {
+        match self.threads {
+            None => Ok(0),
+            Some(n @ 1..=1024) => Ok(n),
+            Some(n) => Err(Error::setting("--threads", format!("{n}: use 1 to 1024"))),
+        }
+    }
+
     /// The `--camera` numbers: eye x, y, z, pitch, yaw.
     ///
     /// # Errors

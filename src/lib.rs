@@ -4,6 +4,7 @@
 //! Both read as the algorithm; each line is a stage that lives in a room of its own.
 
 pub mod bsp;
+pub mod cli;
 pub mod error;
 pub mod light;
 pub mod lightmap;
@@ -16,15 +17,19 @@ pub mod render;
 pub mod report;
 pub mod scene;
 pub mod settings;
+mod stage;
 
 pub use error::{Error, Result};
 
-use bsp::Bsp;
-use patch::{MapPatches, TextPatches, TextScene};
+use bsp::{Bsp, MipTex};
+use lightmap::FinishedFace;
+use patch::{TextPatches, TextScene};
 use progress::Progress;
 use radiosity::hemicube::HemicubeSize;
 use radiosity::solve::{Limits, Solution, Sources, solve};
 use radiosity::transfers::Transfers;
+use report::Counts;
+use scene::{Scene, Sidecar};
 use settings::Settings;
 
 /// Share of a text scene's light that may be left unsent when it counts as settled.
@@ -50,4 +55,45 @@ pub fn light_patches(scene: &TextScene, progress: &Progress) -> Result<(Transfer
         solve(&transfers, &patches.reflectance(), sources, limits)
     };
     Ok((transfers, solution))
+}
+
+/// What a map run makes besides the lightmaps in the BSP.
+pub struct LitMap {
+    /// The map as light saw it.
+    pub scene: Scene,
+    /// The lightmaps of each face.
+    pub faces: Vec<FinishedFace>,
+    /// Payload of the `.lit` file, when the light has colour.
+    pub rgb: Option<Vec<u8>>,
+    /// What the run counted.
+    pub counts: Counts,
+}
+
+/// Lights a map: replaces the lighting of `bsp`. `sidecar` is what qbsp wrote beside it, `textures`
+/// are those that the map may lack.
+///
+/// # Errors
+/// When the entity text is damaged or something is too large for the format.
+pub fn light_bsp(
+    bsp: &mut Bsp,
+    sidecar: Sidecar<'_>,
+    textures: Vec<MipTex>,
+    settings: &Settings,
+    progress: &Progress,
+) -> Result<LitMap> {
+    bsp.clear_lighting();
+    bsp.rewrite_entities()?;
+    let scene = Scene::build(bsp, sidecar, &settings.scene(textures))?;
+    let samples = stage::place_luxels(&scene, progress);
+    let direct = stage::direct(&scene, &samples, progress);
+    let patches = stage::patches(&scene, &samples, settings, progress);
+    let transfers = stage::transfers(&scene, &patches, settings, progress);
+    let bounced = stage::bounce(&scene, &patches, &transfers, &direct, settings, progress);
+    let indirect = stage::gather(&scene, &patches, &samples, &bounced, settings, progress);
+    let counts = Counts::new(&scene, &direct, &patches, &transfers, &bounced, &indirect);
+    let faces = lightmap::finish_faces(&scene, &samples, direct, indirect.maps);
+    let packed = lightmap::pack(&faces)?;
+    bsp.set_lighting(packed.mono, &packed.faces);
+    let rgb = packed.coloured.then_some(packed.rgb);
+    Ok(LitMap { scene, faces, rgb, counts })
 }

@@ -1,2 +1,48 @@
-//! Command line of qrad.
-fn main() {}
+//! `qrad`: the command line. Reads files, calls the library, prints; the only place that decides an
+//! exit code.
+
+mod map_job;
+mod scene_job;
+
+use clap::{CommandFactory, Parser};
+use log::LevelFilter;
+use qrad::cli::Cli;
+use std::io::{IsTerminal, Write};
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    let cli = Cli::parse();
+    let level = match (cli.quiet, cli.verbose) {
+        (true, _) => LevelFilter::Error,
+        (_, true) => LevelFilter::Debug,
+        _ => LevelFilter::Warn,
+    };
+    env_logger::Builder::new()
+        .filter_level(LevelFilter::Error)
+        .filter_module("qrad", level)
+        .format(|out, record| {
+            writeln!(out, "{}: {}", record.level().as_str().to_lowercase(), record.args())
+        })
+        .init();
+    match run(&cli) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("qrad: error: {error:#}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn run(cli: &Cli) -> anyhow::Result<()> {
+    if let Some(shell) = cli.completions {
+        clap_complete::generate(shell, &mut Cli::command(), "qrad", &mut std::io::stdout());
+        return Ok(());
+    }
+    let threads = rayon::ThreadPoolBuilder::new().num_threads(cli.threads()?).build()?;
+    let visible = !cli.quiet && std::io::stderr().is_terminal();
+    threads.install(|| match (&cli.patches, &cli.map) {
+        (Some(scene), _) => scene_job::run(cli, scene, visible),
+        (None, Some(map)) => map_job::run(cli, &qrad::cli::map_path(map), visible),
+        (None, None) => Ok(()),
+    })
+}

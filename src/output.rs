@@ -4,12 +4,30 @@ use crate::{Error, Result};
 use image::{ImageFormat, RgbImage};
 use std::io::{Cursor, Write};
 use std::path::Path;
+use tempfile::NamedTempFile;
 
 /// Replaces `path` by `bytes`. An interrupted run leaves the old file as it was.
 ///
 /// # Errors
 /// When the folder cannot be written to.
 pub fn write(path: &Path, bytes: &[u8]) -> Result<()> {
+    write_all(&[(path, bytes)])
+}
+
+/// Replaces several files that belong together: none is renamed before all are written.
+///
+/// # Errors
+/// When a folder cannot be written to.
+pub fn write_all(files: &[(&Path, &[u8])]) -> Result<()> {
+    let written: Vec<_> =
+        files.iter().map(|(path, bytes)| write_beside(path, bytes)).collect::<Result<_>>()?;
+    for (file, (path, _)) in written.into_iter().zip(files) {
+        file.persist(path).map_err(|e| Error::io("replace", path)(e.error))?;
+    }
+    Ok(())
+}
+
+fn write_beside(path: &Path, bytes: &[u8]) -> Result<NamedTempFile> {
     let folder = match path.parent() {
         Some(p) if !p.as_os_str().is_empty() => p,
         _ => Path::new("."),
@@ -21,12 +39,14 @@ pub fn write(path: &Path, bytes: &[u8]) -> Result<()> {
         // Temporary files are private; a map is for everyone the umask allows.
         builder.permissions(std::fs::Permissions::from_mode(0o666));
     }
-    let mut file =
-        builder.prefix(".qrad-").tempfile_in(folder).map_err(Error::io("write beside", path))?;
-    file.write_all(bytes).map_err(Error::io("write", path))?;
-    file.as_file().sync_all().map_err(Error::io("write", path))?;
-    file.persist(path).map_err(|e| Error::io("rename to", path)(e.error))?;
-    Ok(())
+    let failed = || Error::io("write", path);
+    let mut file = builder.prefix(".qrad-").tempfile_in(folder).map_err(|e| {
+        // Its own message would name a temporary file that nobody knows.
+        failed()(e.kind().into())
+    })?;
+    file.write_all(bytes).map_err(failed())?;
+    file.as_file().sync_all().map_err(failed())?;
+    Ok(file)
 }
 
 /// Writes a picture as PNG.

@@ -1,7 +1,86 @@
 //! The table at the end of a run.
 
+use crate::light::DirectLight;
+use crate::patch::MapPatches;
+use crate::radiosity::bounce::Bounced;
+use crate::radiosity::transfers::Transfers;
+use crate::scene::Scene;
+use crate::stage::Gathered;
+use std::collections::BTreeSet;
 use std::fmt::{self, Display};
 use std::time::Duration;
+
+/// What a map run counted.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Counts {
+    /// Faces with a lightmap, of all.
+    pub faces: [usize; 2],
+    /// Luxels of those.
+    pub luxels: usize,
+    /// Patches.
+    pub patches: usize,
+    /// Lights, copies of surface lights included.
+    pub lights: usize,
+    /// Light styles that light anything.
+    pub styles: usize,
+    /// Shadow rays for direct light.
+    pub rays: u64,
+    /// Hemicubes drawn, for patches and for luxels.
+    pub hemicubes: [u64; 2],
+    /// Form factors stored.
+    pub transfers: usize,
+    /// Most bounces in any style.
+    pub bounces: u32,
+    /// Largest share of light left unsent in any style.
+    pub residual: f64,
+}
+
+impl Counts {
+    pub(crate) fn new(
+        scene: &Scene,
+        direct: &[DirectLight],
+        patches: &MapPatches,
+        transfers: &Transfers,
+        bounced: &Bounced,
+        gathered: &Gathered,
+    ) -> Self {
+        let lit = || scene.surfaces.iter().filter_map(|s| s.luxels.as_ref());
+        let styles: BTreeSet<u16> = direct
+            .iter()
+            .flat_map(|d| d.styles.iter().chain(&d.negative))
+            .chain(gathered.maps.iter().flatten())
+            .map(|s| s.style)
+            .collect();
+        Self {
+            faces: [lit().count(), scene.surfaces.len()],
+            luxels: lit().map(|grid| grid.len()).sum(),
+            patches: patches.set.patches.len(),
+            lights: scene.lights.len(),
+            styles: styles.len(),
+            rays: direct.iter().map(|d| d.rays).sum(),
+            hemicubes: [transfers.rows() as u64, gathered.hemicubes],
+            transfers: transfers.len(),
+            bounces: bounced.bounces,
+            residual: bounced.residual,
+        }
+    }
+
+    /// Adds these numbers to a table.
+    pub fn print(&self, report: &mut Report) {
+        report.count("faces with lightmap", self.faces[0] as u64);
+        report.count("faces", self.faces[1] as u64);
+        report.count("luxels", self.luxels as u64);
+        report.count("patches", self.patches as u64);
+        report.count("lights", self.lights as u64);
+        report.count("light styles", self.styles as u64);
+        report.count("shadow rays", self.rays);
+        report.count("patch hemicubes", self.hemicubes[0]);
+        report.count("luxel hemicubes", self.hemicubes[1]);
+        report.count("transfers", self.transfers as u64);
+        report.row("bounces", self.bounces);
+        report.row("residual", format!("{:.1e}", self.residual));
+    }
+}
 
 /// Rows of text and numbers, printed as two aligned columns.
 #[derive(Clone, Debug, Default)]

@@ -1,7 +1,9 @@
 //! What the user can set, checked once and passed down from there.
 
+use crate::bsp::MipTex;
 use crate::lightmap::Gather;
 use crate::radiosity::hemicube::HemicubeSize;
+use crate::scene::SceneSettings;
 use crate::{Error, Result};
 
 /// How emitting textures (`_surface` lights) shine.
@@ -69,5 +71,15 @@ impl Settings {
             return Err(Error::setting("--reflectance-scale", problem));
         }
         Ok(self)
+    }
+
+    /// The part that concerns the scene. `textures` are those that the map may lack.
+    pub(crate) fn scene(&self, textures: Vec<MipTex>) -> SceneSettings {
+        SceneSettings {
+            reflectance_scale: self.reflectance_scale,
+            grey: self.grey,
+            textures,
+            area_lights: self.surface_lights == SurfaceLights::Area,
+        }
     }
 }

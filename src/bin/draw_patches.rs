@@ -1,8 +1,8 @@
 //! Command line of `draw_patches`.
 
 use clap::Parser;
-use qrad::patch::{MAX_IMAGE, TextScene, decode};
 use qrad::output::write_png;
+use qrad::patch::{MAX_IMAGE, TextScene, decode};
 use qrad::render::{Camera, draw_patches};
 use qrad::{Error, Result};
 use std::path::PathBuf;

@@ -4,6 +4,7 @@ use super::bspx::{self, BspxLump};
 use super::header::{self, HEADER_SIZE, Header, LUMP_COUNT, Lump};
 use super::miptex::{self, MipTex};
 use super::records::{Face, Format, Leaf, Model, Node, Plane, TexInfo};
+use super::switchable::rewrite_entities;
 use super::{decode, encode, validate};
 use crate::Result;
 use glam::Vec3;
@@ -171,6 +172,31 @@ impl Bsp {
     pub fn texture_of(&self, face: usize) -> Option<&MipTex> {
         let miptex = usize::try_from(self.texinfo_of(face)?.miptex).ok()?;
         self.textures.get(miptex)?.as_ref()
+    }
+
+    /// Stores lightmaps: the lighting lump, and for each face its offset there (-1 is none) and styles.
+    ///
+    /// # Panics
+    /// If there is not one entry for each face.
+    pub fn set_lighting(&mut self, lighting: Vec<u8>, faces: &[(i32, [u8; 4])]) {
+        assert_eq!(faces.len(), self.faces.len(), "one entry a face");
+        self.lighting = lighting;
+        for (face, &(offset, styles)) in self.faces.iter_mut().zip(faces) {
+            face.light_offset = offset;
+            face.styles = styles;
+        }
+    }
+
+    /// Makes the changes to the entity lump that a light compiler makes ([`super::normalise`]). If
+    /// there are none, it stays byte for byte.
+    ///
+    /// # Errors
+    /// When the entity text is damaged or needs too many switchable styles.
+    pub fn rewrite_entities(&mut self) -> Result<()> {
+        if let (_, Some(lump)) = rewrite_entities(&self.entities)? {
+            self.entities = lump;
+        }
+        Ok(())
     }
 
     /// Removes all lighting, as before the first lighting of the map: no lightmaps, every face unlit,

@@ -49,8 +49,7 @@ pub fn dump(folder: &Path, faces: &[FinishedFace], sizes: &[[u32; 2]]) -> Result
 
 /// Places rectangles in a picture of about square shape; returns their corners and its size.
 fn arrange(rects: &[[u32; 2]]) -> (Vec<[u32; 2]>, [u32; 2]) {
-    let area: u64 =
-        rects.iter().map(|[w, h]| u64::from(w + GAP) * u64::from(h + GAP)).sum();
+    let area: u64 = rects.iter().map(|[w, h]| u64::from(w + GAP) * u64::from(h + GAP)).sum();
     let widest = rects.iter().flatten().copied().max().unwrap_or(1) + GAP;
     let mut edge = ((area as f64).sqrt() as u32).max(widest).next_multiple_of(64);
     // Tall ones first: shelves waste less.

@@ -1,13 +1,13 @@
 //! From light to stored levels, in the order of the reference compiler (its section 3.6).
 
-use super::StyleMap;
+use crate::light::StyleLight;
 use crate::photometry::Irradiance;
 use glam::Vec3;
 
 /// Styles that a face can store.
 const MOST_STYLES: usize = 4;
 
-/// Worldspawn settings for the whole map.
+/// How light becomes levels on a face.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FinishSettings {
     /// Stored level per light unit (`_range`), at least 0; 0.5 by default.
@@ -16,11 +16,13 @@ pub struct FinishSettings {
     pub gamma: f32,
     /// Cap on the largest channel, in half light units; 0 is none.
     pub max_light: f32,
+    /// Saturation of the light, from 0 (grey) to 1.
+    pub colour_scale: f32,
 }
 
 impl Default for FinishSettings {
     fn default() -> Self {
-        Self { range: 0.5, gamma: 1.0, max_light: 0.0 }
+        Self { range: 0.5, gamma: 1.0, max_light: 0.0, colour_scale: 1.0 }
     }
 }
 
@@ -47,7 +49,7 @@ pub struct FinishedFace {
 /// Scales, fills in luxels inside solid from their neighbours, selects styles and converts to bytes.
 /// `occluded` tells for each luxel whether it is inside solid; rows are `width` long.
 pub fn finish(
-    maps: Vec<StyleMap>,
+    maps: Vec<StyleLight>,
     occluded: &[bool],
     width: usize,
     settings: FinishSettings,
@@ -56,7 +58,7 @@ pub fn finish(
     // (average brightness, style, light)
     let mut kept: Vec<(f32, u8, Vec<Vec3>)> = Vec::new();
     for map in maps {
-        let mut light: Vec<Vec3> = map.light.iter().map(|&e| scale(e, settings)).collect();
+        let mut light: Vec<Vec3> = map.irradiance.iter().map(|&e| scale(e, settings)).collect();
         face.coloured |=
             light.iter().any(|c| (c.y - c.x).abs() > 0.001 || (c.z - c.x).abs() > 0.001);
         let brightest = light.iter().map(|c| brightness(*c)).fold(0.0, f32::max);
@@ -97,11 +99,12 @@ fn scale(e: Irradiance, settings: FinishSettings) -> Vec3 {
     if settings.max_light > 0.0 && c.max_element() > 2.0 * settings.max_light {
         c *= 2.0 * settings.max_light / c.max_element();
     }
+    if settings.colour_scale != 1.0 {
+        c = Vec3::splat(c.max_element()).lerp(c, settings.colour_scale);
+    }
     c *= settings.range;
     if settings.gamma != 1.0 {
-        c = Vec3::from_array(
-            c.to_array().map(|v| (v / 255.0).powf(1.0 / settings.gamma) * 255.0),
-        );
+        c = Vec3::from_array(c.to_array().map(|v| (v / 255.0).powf(1.0 / settings.gamma) * 255.0));
     }
     c
 }
@@ -150,13 +153,13 @@ fn flood_fill(light: &mut [Vec3], occluded: &[bool], width: usize) {
 mod tests {
     use super::*;
 
-    fn map(style: u16, levels: &[f32]) -> StyleMap {
-        let light = levels.iter().map(|&v| Irradiance(Vec3::splat(v))).collect();
-        StyleMap { style, light }
+    fn map(style: u16, levels: &[f32]) -> StyleLight {
+        let irradiance = levels.iter().map(|&v| Irradiance(Vec3::splat(v))).collect();
+        StyleLight { style, irradiance }
     }
 
-    fn plain(maps: Vec<StyleMap>) -> FinishedFace {
-        let n = maps[0].light.len();
+    fn plain(maps: Vec<StyleLight>) -> FinishedFace {
+        let n = maps[0].irradiance.len();
         finish(maps, &vec![false; n], n, FinishSettings::default())
     }
 
@@ -169,8 +172,8 @@ mod tests {
 
     #[test]
     fn overbright_light_keeps_its_hue() {
-        let light = vec![Irradiance(Vec3::new(1020.0, 510.0, 0.0))];
-        let face = plain(vec![StyleMap { style: 0, light }]);
+        let irradiance = vec![Irradiance(Vec3::new(1020.0, 510.0, 0.0))];
+        let face = plain(vec![StyleLight { style: 0, irradiance }]);
         assert_eq!(face.styles[0].levels, [[255, 127, 0]]);
         assert!(face.coloured);
     }
@@ -206,7 +209,7 @@ mod tests {
 
     #[test]
     fn max_light_and_gamma() {
-        let s = FinishSettings { range: 1.0, gamma: 2.0, max_light: 32.0 };
+        let s = FinishSettings { range: 1.0, gamma: 2.0, max_light: 32.0, colour_scale: 1.0 };
         let face = finish(vec![map(0, &[255.0, 16.0])], &[false; 2], 2, s);
         // 255 is capped to 64: 255 * sqrt(64 / 255) = 127.7; 16 gives 63.87.
         assert_eq!(face.styles[0].levels, [[127; 3], [63; 3]]);

@@ -1,9 +1,10 @@
 //! Indirect light at luxels.
 
-use super::StyleMap;
 use super::interpolate::Interpolator;
+use crate::light::StyleLight;
 use crate::patch::MapPatches;
-use crate::photometry::{Exitance, Irradiance};
+use crate::photometry::Irradiance;
+use crate::radiosity::bounce::PatchLight;
 use crate::radiosity::hemicube::{DeltaFormFactors, HemicubeSize, View};
 use crate::radiosity::transfers::Gatherer;
 use crate::scene::{Sample, Scene};
@@ -20,17 +21,6 @@ pub enum Gather {
     Luxel,
 }
 
-/// The solution of one light style.
-#[derive(Clone, Debug)]
-pub struct PatchLight {
-    /// The light style.
-    pub style: u16,
-    /// Final exitance of each patch.
-    pub exitance: Vec<Exitance>,
-    /// Indirect irradiance of each patch: what it receives from that exitance.
-    pub irradiance: Vec<Irradiance>,
-}
-
 /// Indirect irradiance at the luxels of every surface, one map a style that reaches it, and the
 /// number of hemicubes drawn. `samples` holds the luxels of each surface; `advance(n)` is told of
 /// every n luxels done.
@@ -41,7 +31,7 @@ pub fn indirect(
     light: &[PatchLight],
     (gather, size): (Gather, HemicubeSize),
     advance: impl Fn(u64) + Sync,
-) -> (Vec<Vec<StyleMap>>, u64) {
+) -> (Vec<Vec<StyleLight>>, u64) {
     if light.is_empty() {
         return (vec![Vec::new(); samples.len()], 0);
     }
@@ -49,17 +39,18 @@ pub fn indirect(
     let interpolator = Interpolator::new(&patches.set);
     let exitance: Vec<Vec<glam::Vec3>> =
         light.iter().map(|l| l.exitance.iter().map(|m| m.0).collect()).collect();
-    let faces: Vec<(Vec<StyleMap>, u64)> = (0..samples.len())
+    let faces: Vec<(Vec<StyleLight>, u64)> = (0..samples.len())
         .into_par_iter()
         .map_init(
             || Gatherer::new(&scene.tracer, &patches.set, &delta, size),
             |gatherer, face| {
-                let samples = &samples[face];
-                let mut maps: Vec<StyleMap> = light
+                let receives = !scene.surfaces[face].light_ignore;
+                let samples = if receives { &samples[face][..] } else { &[] };
+                let mut maps: Vec<StyleLight> = light
                     .iter()
-                    .map(|l| StyleMap {
+                    .map(|l| StyleLight {
                         style: l.style,
-                        light: vec![Irradiance::ZERO; samples.len()],
+                        irradiance: vec![Irradiance::ZERO; samples.len()],
                     })
                     .collect();
                 let mut hemicubes = 0;
@@ -78,10 +69,10 @@ pub fn indirect(
                         hemicubes += 1;
                     }
                     for (map, sum) in maps.iter_mut().zip(&sums) {
-                        map.light[luxel] = Irradiance(sum.as_vec3());
+                        map.irradiance[luxel] = Irradiance(sum.as_vec3());
                     }
                 }
-                maps.retain(|m| m.light.iter().any(|e| *e != Irradiance::ZERO));
+                maps.retain(|m| m.irradiance.iter().any(|e| *e != Irradiance::ZERO));
                 advance(samples.len() as u64);
                 (maps, hemicubes)
             },

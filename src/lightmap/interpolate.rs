@@ -5,8 +5,8 @@
 //! around it that it can see, whatever face they are on. The value depends on where the luxel is in
 //! the world and not on its face, so coplanar and smoothly touching faces meet without a seam.
 
-use super::indirect::PatchLight;
 use crate::patch::PatchSet;
+use crate::radiosity::bounce::PatchLight;
 use crate::scene::{Sample, Scene};
 use glam::{DMat3, DVec3, Vec3};
 use std::collections::HashMap;
@@ -92,8 +92,8 @@ impl<'a> Interpolator<'a> {
                 f64::from(offset.dot(tangent) * scale),
                 f64::from(offset.dot(bitangent) * scale),
             );
-            normal_matrix += DMat3::from_cols(basis * basis.x, basis * basis.y, basis * basis.z)
-                * weight;
+            normal_matrix +=
+                DMat3::from_cols(basis * basis.x, basis * basis.y, basis * basis.z) * weight;
             used.push((i, basis * weight));
         }
         if used.is_empty() {
@@ -108,8 +108,7 @@ impl<'a> Interpolator<'a> {
         out.clear();
         out.extend(light.iter().map(|l| {
             let value = |i: u32| l.irradiance[i as usize].0.as_dvec3();
-            let (mut sum, mut low, mut high) =
-                (DVec3::ZERO, DVec3::INFINITY, DVec3::NEG_INFINITY);
+            let (mut sum, mut low, mut high) = (DVec3::ZERO, DVec3::INFINITY, DVec3::NEG_INFINITY);
             for &(i, w) in &used {
                 sum += value(i) * first.dot(w);
                 low = low.min(value(i));

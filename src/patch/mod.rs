@@ -9,7 +9,7 @@ mod text_patches;
 mod text_scene;
 
 pub use lookup::{PatchGrid, PatchLookup, PolygonPatches};
-pub use subdivide::MapPatches;
+pub use subdivide::{Emission, MapPatches};
 pub use text_check::{MAX_HEMICUBE, MAX_IMAGE, MAX_REFLECTANCE};
 pub use text_lines::decode;
 pub use text_patches::TextPatches;

@@ -6,8 +6,8 @@
 
 use super::polygon2::{moments, strip};
 use super::{Patch, PatchGrid, PatchId, PatchLookup, PatchSet, PolygonPatches};
-use crate::photometry::{Irradiance, Reflectance};
-use crate::scene::{LuxelGrid, Sample, Scene, Surface};
+use crate::photometry::{Exitance, Irradiance, Reflectance};
+use crate::scene::{Emitter, LuxelGrid, Sample, Scene, Surface};
 use glam::{DVec2, Vec2};
 use rayon::prelude::*;
 
@@ -29,6 +29,15 @@ pub struct MapPatches {
     pub luxels: Vec<Vec<(u32, f32)>>,
     /// First patch of each surface, and one more entry: surface i has `first[i]..first[i + 1]`.
     pub first: Vec<u32>,
+}
+
+/// Light that the patches of a map give off by themselves, in one style.
+#[derive(Clone, Debug)]
+pub struct Emission {
+    /// The light style.
+    pub style: u16,
+    /// One entry a patch.
+    pub exitance: Vec<Exitance>,
 }
 
 /// One block while it is being summed up.
@@ -118,6 +127,23 @@ impl MapPatches {
         grid
     }
 
+    /// What each patch emits, by light style.
+    pub fn emission(&self, emitters: &[Emitter]) -> Vec<Emission> {
+        let mut styles: Vec<Emission> = Vec::new();
+        for e in emitters {
+            let i = styles.iter().position(|s| s.style == e.style).unwrap_or_else(|| {
+                let exitance = vec![Exitance::ZERO; self.surface.len()];
+                styles.push(Emission { style: e.style, exitance });
+                styles.len() - 1
+            });
+            let patches = self.first[e.surface as usize]..self.first[e.surface as usize + 1];
+            for patch in patches {
+                styles[i].exitance[patch as usize] += e.exitance;
+            }
+        }
+        styles
+    }
+
     /// Mean irradiance of each patch, given that of the luxels of each surface (empty for none).
     pub fn mean_irradiance(&self, luxels: &[&[Irradiance]]) -> Vec<Irradiance> {
         self.luxels
@@ -179,7 +205,9 @@ fn cut(surface: &Surface, luxels: &LuxelGrid, samples: &[Sample], size: u32) -> 
 /// blocks of at most `size`.
 fn division(intervals: u32, size: u32) -> Vec<u16> {
     let blocks = intervals.div_ceil(size.max(1));
-    (0..intervals).map(|i| (u64::from(i) * u64::from(blocks) / u64::from(intervals)) as u16).collect()
+    (0..intervals)
+        .map(|i| (u64::from(i) * u64::from(blocks) / u64::from(intervals)) as u16)
+        .collect()
 }
 
 /// Adds the four luxels around a piece of an interval: bilinear weights at its centroid, times its

@@ -1,5 +1,6 @@
 //! Diffuse light exchange: hemicubes, form factors, the sparse transfer rows and the solver.
 
+pub mod bounce;
 pub mod form_factor;
 pub mod hemicube;
 pub mod per_ray;

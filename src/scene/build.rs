@@ -31,11 +31,13 @@ pub struct SceneSettings {
     pub grey: bool,
     /// Pixels for textures that the BSP lacks, found by name in any case.
     pub textures: Vec<MipTex>,
+    /// Surface lights are area light: the faces emit, no point lights are placed before them.
+    pub area_lights: bool,
 }
 
 impl Default for SceneSettings {
     fn default() -> Self {
-        Self { reflectance_scale: 1.0, grey: false, textures: Vec::new() }
+        Self { reflectance_scale: 1.0, grey: false, textures: Vec::new(), area_lights: false }
     }
 }
 
@@ -75,6 +77,7 @@ impl Scene {
             .warn(surfaces.iter().filter(|s| s.reflects).filter_map(|s| s.texture), &mut warnings);
 
         let mut drafts = entity_lights::read(&entities, &world, &mut warnings, &mut not_simulated);
+        let colours: Vec<Vec3> = surfaces.iter().map(|s| materials.colour(s.texture)).collect();
         let light_faces = Faces {
             bsp,
             surfaces: &surfaces,
@@ -82,8 +85,10 @@ impl Scene {
             names: &names,
             groups: &groups,
             piece_size: world.surface_light_size,
+            colours: &colours,
+            area_lights: settings.area_lights,
         };
-        surface_lights::add_copies(&mut drafts, &light_faces, &mut warnings);
+        let emitters = surface_lights::add_copies(&mut drafts, &light_faces, &mut warnings);
         let lights = entity_lights::finish(drafts, &entities, &world, &solid, &mut warnings)?;
 
         let (tracer, tracer_surface) = build_tracer(&surfaces);
@@ -91,6 +96,7 @@ impl Scene {
             surfaces,
             models,
             lights,
+            emitters,
             world,
             tracer,
             tracer_surface,

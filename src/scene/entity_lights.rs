@@ -49,6 +49,10 @@ pub(crate) struct Template {
     pub spotlight: bool,
     /// Applies to faces of the same group.
     pub group: i32,
+    /// The faces emit themselves; no copies are placed.
+    pub area: bool,
+    /// The light has a colour of its own, which replaces that of the texture in area light.
+    pub has_colour: bool,
 }
 
 impl Draft {
@@ -224,18 +228,15 @@ impl Reader<'_> {
         let texture = self.entity.get("_surface").filter(|t| !t.is_empty())?;
         let mode =
             self.entity.get("_surface_radiosity").map_or(world.surface_light_mode, keys::integer);
-        if mode != 0 {
-            self.not_simulated.insert(
-                "light _surface_radiosity: radiosity surface lights not simulated yet".into(),
-            );
-        }
         let raw = |name: &str| self.entity.get(name).and_then(keys::number).unwrap_or(0.0);
         let offset = raw("_surface_offset");
         Some(Template {
-            texture: if mode == 0 { texture.to_owned() } else { String::new() },
+            texture: texture.to_owned(),
             offset: if offset == 0.0 { 2.0 } else { offset },
             spotlight: raw("_surface_spotlight") != 0.0,
             group: self.entity.setting("surflight_group").map_or(0, keys::integer),
+            area: mode != 0,
+            has_colour: self.entity.setting("color").is_some(),
         })
     }
 }

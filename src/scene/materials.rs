@@ -16,6 +16,7 @@ const LIMIT: f32 = 0.99;
 pub(crate) struct Materials {
     slots: Vec<Reflectance>,
     none: Reflectance,
+    colours: Vec<Vec3>,
     lacking: Vec<Option<String>>,
     too_bright: Vec<bool>,
 }
@@ -30,6 +31,7 @@ impl Materials {
         let limited = |scaled: Vec3| Reflectance(scaled.clamp(Vec3::ZERO, Vec3::splat(LIMIT)));
         let none = limited(scaled(Vec3::splat(GREY)));
         let (mut lacking, mut too_bright) = (Vec::new(), Vec::new());
+        let mut colours = Vec::new();
         let slots = bsp
             .textures
             .iter()
@@ -40,17 +42,25 @@ impl Materials {
                     (None, Some(t)) => Some(t.name.clone()),
                     (None, None) => Some("(absent from the BSP)".to_owned()),
                 });
-                let scaled = scaled(colour.unwrap_or(Vec3::splat(GREY)));
+                let colour = colour.unwrap_or(Vec3::splat(GREY));
+                colours.push(colour);
+                let scaled = scaled(colour);
                 too_bright.push(scaled.max_element() > LIMIT);
                 limited(scaled)
             })
             .collect();
-        Self { slots, none, lacking, too_bright }
+        Self { slots, none, colours, lacking, too_bright }
     }
 
     /// Reflectance of the texture in a slot of the texture lump.
     pub fn of(&self, texture: Option<u32>) -> Reflectance {
         texture.and_then(|t| self.slots.get(t as usize)).copied().unwrap_or(self.none)
+    }
+
+    /// Mean colour of the texture in a slot, 0 to 1, whatever the settings make of its reflectance.
+    pub fn colour(&self, texture: Option<u32>) -> Vec3 {
+        let slot = texture.and_then(|t| self.colours.get(t as usize));
+        slot.copied().unwrap_or(Vec3::splat(GREY))
     }
 
     /// Warns about the textures of reflecting surfaces: once about those whose pixels are not known,

@@ -29,6 +29,7 @@ pub use shadow::ShadowRays;
 pub use sidecar::Sidecar;
 pub use solid::Solid;
 pub use surface::{LuxelGrid, Role, Surface};
+pub use surface_lights::Emitter;
 pub use tracer::{Hit, Node, Polygon, Tracer};
 pub use world::WorldSettings;
 
@@ -41,6 +42,8 @@ pub struct Scene {
     pub models: Vec<Model>,
     /// The lights that shine, copies included, in the order in which they are added up.
     pub lights: Vec<Light>,
+    /// The surfaces that emit light as areas.
+    pub emitters: Vec<Emitter>,
     /// What worldspawn sets for the whole map.
     pub world: WorldSettings,
     /// The surfaces that block light.

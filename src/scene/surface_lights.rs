@@ -1,10 +1,24 @@
-//! Surface lights in mode 0: point lights spread over the faces of a texture (contract section 4.7).
+//! Surface lights: point lights spread over the faces of a texture (mode 0 of the contract's section
+//! 4.7), or the faces themselves as area light.
 
 use super::entity_lights::Draft;
 use super::shape::{Shape, area_and_centre};
 use super::surface::Surface;
 use crate::bsp::Bsp;
+use crate::photometry::Exitance;
 use glam::Vec3;
+use std::f32::consts::PI;
+
+/// A surface that gives off light by itself.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Emitter {
+    /// Index of the surface.
+    pub surface: u32,
+    /// Light style.
+    pub style: u16,
+    /// Exitance, the same all over the surface.
+    pub exitance: Exitance,
+}
 
 /// Pieces are not cut nearer than this to their end, in world units.
 const LEAST_PIECE: f32 = 8.0;
@@ -22,11 +36,20 @@ pub(crate) struct Faces<'a> {
     pub groups: &'a [i32],
     /// Largest size of a piece, in world units.
     pub piece_size: f32,
+    /// Mean colour of the texture of each face, 0 to 1.
+    pub colours: &'a [Vec3],
+    /// Every surface light is area light, whatever its template says.
+    pub area_lights: bool,
 }
 
 /// Appends a light to `drafts` for every piece of every face that a template names, in the order
-/// of the leafs that see the faces.
-pub(crate) fn add_copies(drafts: &mut Vec<Draft>, faces: &Faces<'_>, warnings: &mut Vec<String>) {
+/// of the leafs that see the faces. Returns the faces that emit themselves instead.
+pub(crate) fn add_copies(
+    drafts: &mut Vec<Draft>,
+    faces: &Faces<'_>,
+    warnings: &mut Vec<String>,
+) -> Vec<Emitter> {
+    let mut emitters = Vec::new();
     let templates: Vec<(usize, String)> = drafts
         .iter()
         .enumerate()
@@ -34,7 +57,7 @@ pub(crate) fn add_copies(drafts: &mut Vec<Draft>, faces: &Faces<'_>, warnings: &
         .filter(|(_, texture)| !texture.is_empty())
         .collect();
     if templates.is_empty() {
-        return;
+        return emitters;
     }
     for (_, texture) in &templates {
         if !faces.names.contains(texture) {
@@ -44,14 +67,17 @@ pub(crate) fn add_copies(drafts: &mut Vec<Draft>, faces: &Faces<'_>, warnings: &
         }
     }
     for face in faces_in_leaf_order(faces) {
-        let matching: Vec<usize> = templates
+        let (area, matching): (Vec<usize>, Vec<usize>) = templates
             .iter()
             .filter(|(i, texture)| {
                 let group = drafts[*i].template.as_ref().map_or(0, |t| t.group);
                 *texture == faces.names[face] && group == faces.groups[face]
             })
             .map(|(i, _)| *i)
-            .collect();
+            .partition(|&i| {
+                faces.area_lights || drafts[i].template.as_ref().is_some_and(|t| t.area)
+            });
+        emitters.extend(area.iter().map(|&i| emitter(&drafts[i], face, faces.colours[face])));
         if matching.is_empty() {
             continue;
         }
@@ -76,6 +102,19 @@ pub(crate) fn add_copies(drafts: &mut Vec<Draft>, faces: &Faces<'_>, warnings: &
                 drafts.push(copy);
             }
         }
+    }
+    emitters
+}
+
+/// A face as area light. From afar, a face of area A must light as the reference's radiosity mode
+/// does: L A cos cos / d^2. A diffuse emitter of exitance M gives M A cos cos / (pi d^2), so M = pi L.
+fn emitter(draft: &Draft, face: usize, texture_colour: Vec3) -> Emitter {
+    let own = draft.template.as_ref().is_some_and(|t| t.has_colour);
+    let colour = if own { draft.light.colour / 255.0 } else { texture_colour };
+    Emitter {
+        surface: face as u32,
+        style: draft.light.style,
+        exitance: Exitance(colour * (draft.light.brightness * PI)),
     }
 }
 

@@ -1,0 +1,104 @@
+//! One run on a map: files in, files out.
+
+use anyhow::Context;
+use qrad::bsp::{Bsp, MipTex, load_wad, parse_entities, write_lit};
+use qrad::cli::Cli;
+use qrad::progress::Progress;
+use qrad::report::Report;
+use qrad::scene::Sidecar;
+use qrad::{LitMap, light_bsp, lightmap, output};
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+/// Lights the map in `path` and writes what the command line asks for.
+pub fn run(cli: &Cli, path: &Path, visible: bool) -> anyhow::Result<()> {
+    let start = Instant::now();
+    let settings = cli.settings()?;
+    let mut bsp = Bsp::read(&read(path)?).with_context(|| path.display().to_string())?;
+    let textures = textures(cli, path, &bsp)?;
+    let texinfo = sidecar(path, "texinfo.json")?;
+    let content = sidecar(path, "content.json")?;
+    let sidecar = Sidecar { texinfo: texinfo.as_deref(), content: content.as_deref() };
+    let progress = Progress::new(visible);
+    let lit = light_bsp(&mut bsp, sidecar, textures, &settings, &progress)
+        .with_context(|| path.display().to_string())?;
+    for sentence in lit.scene.warnings.iter().chain(&lit.scene.not_simulated) {
+        log::warn!("{sentence}");
+    }
+    let target = cli.output.as_deref().unwrap_or(path);
+    let mut written = write_map(target, &bsp, lit.rgb.as_deref())?;
+    if let Some(folder) = &cli.dump_lightmaps {
+        written.extend(dump(folder, &lit)?);
+    }
+    if !cli.quiet {
+        let mut report = Report::new();
+        lit.counts.print(&mut report);
+        report.resources(&progress.stages(), start.elapsed());
+        for file in written {
+            report.row("written", file.display());
+        }
+        print!("{report}");
+    }
+    Ok(())
+}
+
+fn read(path: &Path) -> anyhow::Result<Vec<u8>> {
+    std::fs::read(path).with_context(|| format!("cannot read {}", path.display()))
+}
+
+/// A file that qbsp may have written beside the map.
+fn sidecar(map: &Path, extension: &str) -> anyhow::Result<Option<String>> {
+    let path = map.with_extension(extension);
+    match std::fs::read_to_string(&path) {
+        Ok(text) => Ok(Some(text)),
+        Err(e) if e.kind() == std::io::ErrorKind::NotFound => Ok(None),
+        Err(e) => Err(e).with_context(|| format!("cannot read {}", path.display())),
+    }
+}
+
+/// Textures of the WAD files given as options, and of those that worldspawn names if the map lacks
+/// pixels. A WAD that worldspawn names need not be there.
+fn textures(cli: &Cli, map: &Path, bsp: &Bsp) -> anyhow::Result<Vec<MipTex>> {
+    let mut textures = Vec::new();
+    for path in &cli.wad {
+        textures.extend(load_wad(&read(path)?).with_context(|| path.display().to_string())?);
+    }
+    if bsp.textures.iter().flatten().all(|t| t.pixels.is_some()) {
+        return Ok(textures);
+    }
+    let entities = parse_entities(&bsp.entities)?;
+    let names = entities.first().and_then(|e| e.get("wad").or(e.get("_wad"))).unwrap_or("");
+    for name in names.split(';').map(str::trim).filter(|n| !n.is_empty()) {
+        // Maps carry the paths of the machine that they were made on.
+        let name = name.replace('\\', "/");
+        let beside = map.with_file_name(Path::new(&name).file_name().unwrap_or_default());
+        let found = [map.with_file_name(&name), beside].into_iter().find(|p| p.is_file());
+        match found.map(|p| Ok::<_, anyhow::Error>((load_wad(&read(&p)?), p))).transpose()? {
+            Some((Ok(more), _)) => textures.extend(more),
+            Some((Err(e), path)) => log::warn!("{}: {e}", path.display()),
+            None => log::warn!("{name}: the WAD file that worldspawn names is not here"),
+        }
+    }
+    Ok(textures)
+}
+
+/// Replaces the map and its `.lit`; a stale `.lit` goes when the light has no colour.
+fn write_map(path: &Path, bsp: &Bsp, rgb: Option<&[u8]>) -> qrad::Result<Vec<PathBuf>> {
+    let lit_path = path.with_extension("lit");
+    let map = bsp.write()?;
+    if let Some(rgb) = rgb {
+        let lit = write_lit(rgb);
+        output::write_all(&[(&lit_path, &lit), (path, &map)])?;
+        Ok(vec![path.to_path_buf(), lit_path])
+    } else {
+        output::write(path, &map)?;
+        output::remove(&lit_path)?;
+        Ok(vec![path.to_path_buf()])
+    }
+}
+
+fn dump(folder: &Path, lit: &LitMap) -> qrad::Result<Vec<PathBuf>> {
+    let grids = lit.scene.surfaces.iter().map(|s| s.luxels.as_ref());
+    let sizes: Vec<[u32; 2]> = grids.map(|g| g.map_or([0; 2], |g| [g.width, g.height])).collect();
+    lightmap::dump(folder, &lit.faces, &sizes)
+}
