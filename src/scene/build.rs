@@ -83,7 +83,7 @@ impl Scene {
             groups: &groups,
             piece_size: world.surface_light_size,
         };
-        surface_lights::add_copies(&mut drafts, &light_faces, &mut warnings);
+        surface_lights::add_copies(&mut drafts, &light_faces, &mut warnings)?;
         let lights = entity_lights::finish(drafts, &entities, &world, &solid, &mut warnings)?;
 
         let (tracer, tracer_surface) = build_tracer(&surfaces);
