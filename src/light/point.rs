@@ -21,8 +21,7 @@ pub(crate) fn unshadowed(
     let to_light = light.origin - position;
     let mut d = length(to_light);
     let mut direction = to_light / d;
-    // Written so that a distance that is not a number counts as near.
-    if !(d >= NEAREST) {
+    if d < NEAREST || d.is_nan() {
         (d, direction) = (NEAREST, Vec3::Z);
     }
     let mut cosine = dot(direction, normal);

@@ -88,7 +88,7 @@ impl Scene {
             colours: &colours,
             area_lights: settings.area_lights,
         };
-        let emitters = surface_lights::add_copies(&mut drafts, &light_faces, &mut warnings);
+        let emitters = surface_lights::add_copies(&mut drafts, &light_faces, &mut warnings)?;
         let lights = entity_lights::finish(drafts, &entities, &world, &solid, &mut warnings)?;
 
         let (tracer, tracer_surface) = build_tracer(&surfaces);

@@ -287,19 +287,25 @@ pub(crate) fn finish(
     Ok(lights)
 }
 
+/// Refuses a number of lights that would take too much memory and time.
+pub(crate) fn check_light_count(count: usize) -> Result<()> {
+    if count <= LIGHT_LIMIT {
+        return Ok(());
+    }
+    Err(Error::Limit {
+        what: "number of lights, with the copies that _surface and _samples make".into(),
+        value: count as u64,
+        limit: LIGHT_LIMIT as u64,
+        advice: "lower _samples or raise worldspawn _surflight_subdivide",
+    })
+}
+
 /// Appends the copies of lights with `_deviance`, spread over a cube around each.
 fn add_jittered(drafts: &mut Vec<Draft>) -> Result<()> {
     let total = drafts.iter().fold(0_usize, |n, d| {
         n.saturating_add(if d.light.brightness == 0.0 { 1 } else { d.samples as usize })
     });
-    if total > LIGHT_LIMIT {
-        return Err(Error::Limit {
-            what: "number of lights, with their _samples".into(),
-            value: total as u64,
-            limit: LIGHT_LIMIT as u64,
-            advice: "lower _samples or raise -surflight_subdivide",
-        });
-    }
+    check_light_count(total)?;
     let mut random = Random::new();
     for i in 0..drafts.len() {
         if drafts[i].light.brightness == 0.0 {

@@ -62,9 +62,8 @@ impl<F: Fn(u32, Vec3) -> bool> Wanderer<'_, F> {
     fn accept(&self, shape: &Shape, p: Vec3) -> Placed {
         let at = |position, occluded| Placed { position, normal: shape.normal, occluded };
         let height = distance(p, shape.normal, shape.dist);
-        // Written so that a height that is not a number is refused too.
-        let refused = !((height - 1.0).abs() <= 0.1) || !shape.surrounds(p);
-        let Some(model) = shape.model.filter(|_| !refused) else { return at(p, true) };
+        let fits = (height - 1.0).abs() <= 0.1 && shape.surrounds(p);
+        let Some(model) = shape.model.filter(|_| fits) else { return at(p, true) };
         if !(self.in_solid)(model, p) {
             return at(p, false);
         }
