@@ -1,15 +1,12 @@
 //! Patches: the pieces of surface between which light is exchanged, from maps and from text scenes.
 
 mod lookup;
-mod polygon2;
-mod subdivide;
 mod text_check;
 mod text_lines;
 mod text_patches;
 mod text_scene;
 
 pub use lookup::{PatchGrid, PatchLookup, PolygonPatches};
-pub use subdivide::MapPatches;
 pub use text_check::{MAX_HEMICUBE, MAX_IMAGE, MAX_REFLECTANCE};
 pub use text_lines::decode;
 pub use text_patches::TextPatches;

@@ -1,4 +1,4 @@
-//! Pictures: the camera, flat-shaded drawing of patches, PNG files and the window.
+//! Pictures: the camera, flat-shaded drawing of patches, lit maps and the window.
 
 mod camera;
 mod draw_patches;
