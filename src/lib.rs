@@ -58,7 +58,7 @@ pub fn light_patches(scene: &TextScene, progress: &Progress) -> Result<(Transfer
 }
 
 /// What a map run makes besides the lightmaps in the BSP.
-pub struct LitMap {
+pub struct MapLight {
     /// The map as light saw it.
     pub scene: Scene,
     /// The lightmaps of each face.
@@ -80,7 +80,7 @@ pub fn light_bsp(
     textures: Vec<MipTex>,
     settings: &Settings,
     progress: &Progress,
-) -> Result<LitMap> {
+) -> Result<MapLight> {
     bsp.clear_lighting();
     bsp.rewrite_entities()?;
     let scene = Scene::build(bsp, sidecar, &settings.scene(textures))?;
@@ -95,5 +95,5 @@ pub fn light_bsp(
     let packed = lightmap::pack(&faces)?;
     bsp.set_lighting(packed.mono, &packed.faces);
     let rgb = packed.coloured.then_some(packed.rgb);
-    Ok(LitMap { scene, faces, rgb, counts })
+    Ok(MapLight { scene, faces, rgb, counts })
 }

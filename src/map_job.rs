@@ -1,12 +1,14 @@
 //! One run on a map: files in, files out.
 
 use anyhow::Context;
+use glam::Vec3;
 use qrad::bsp::{Bsp, MipTex, load_wad, parse_entities, write_lit};
 use qrad::cli::Cli;
 use qrad::progress::Progress;
+use qrad::render::{Camera, LitMap, start_camera};
 use qrad::report::Report;
 use qrad::scene::Sidecar;
-use qrad::{LitMap, light_bsp, lightmap, output};
+use qrad::{MapLight, light_bsp, lightmap, output};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -15,12 +17,14 @@ pub fn run(cli: &Cli, path: &Path, visible: bool) -> anyhow::Result<()> {
     let start = Instant::now();
     let settings = cli.settings()?;
     let mut bsp = Bsp::read(&read(path)?).with_context(|| path.display().to_string())?;
+    let camera = cli.camera()?;
+    let size = cli.preview_size()?;
     let textures = textures(cli, path, &bsp)?;
     let texinfo = sidecar(path, "texinfo.json")?;
     let content = sidecar(path, "content.json")?;
     let sidecar = Sidecar { texinfo: texinfo.as_deref(), content: content.as_deref() };
     let progress = Progress::new(visible);
-    let lit = light_bsp(&mut bsp, sidecar, textures, &settings, &progress)
+    let lit = light_bsp(&mut bsp, sidecar, textures.clone(), &settings, &progress)
         .with_context(|| path.display().to_string())?;
     for sentence in lit.scene.warnings.iter().chain(&lit.scene.not_simulated) {
         log::warn!("{sentence}");
@@ -29,6 +33,13 @@ pub fn run(cli: &Cli, path: &Path, visible: bool) -> anyhow::Result<()> {
     let mut written = write_map(target, &bsp, lit.rgb.as_deref())?;
     if let Some(folder) = &cli.dump_lightmaps {
         written.extend(dump(folder, &lit)?);
+    }
+    if let Some(picture) = &cli.preview {
+        let _stage = progress.stage("preview", 1);
+        let map = LitMap::new(&bsp, lit.rgb.as_deref(), &textures)?;
+        let camera = preview_camera(&bsp, &map, camera, size)?;
+        output::write_png(picture, &map.draw(&camera))?;
+        written.push(picture.clone());
     }
     if !cli.quiet {
         let mut report = Report::new();
@@ -97,7 +108,22 @@ fn write_map(path: &Path, bsp: &Bsp, rgb: Option<&[u8]>) -> qrad::Result<Vec<Pat
     }
 }
 
-fn dump(folder: &Path, lit: &LitMap) -> qrad::Result<Vec<PathBuf>> {
+/// The camera asked for, else that of the player's start, else the middle of the map.
+fn preview_camera(
+    bsp: &Bsp,
+    map: &LitMap,
+    asked: Option<[f32; 5]>,
+    size: [u32; 2],
+) -> anyhow::Result<Camera> {
+    let entities = parse_entities(&bsp.entities)?;
+    let (eye, pitch, yaw) = match asked {
+        Some([x, y, z, pitch, yaw]) => (Vec3::new(x, y, z), pitch.into(), yaw.into()),
+        None => start_camera(&entities).unwrap_or((map.middle(), 0.0, 0.0)),
+    };
+    Ok(Camera::quake(eye.as_dvec3(), pitch, yaw, Camera::QUAKE_FOV, size)?)
+}
+
+fn dump(folder: &Path, lit: &MapLight) -> qrad::Result<Vec<PathBuf>> {
     let grids = lit.scene.surfaces.iter().map(|s| s.luxels.as_ref());
     let sizes: Vec<[u32; 2]> = grids.map(|g| g.map_or([0; 2], |g| [g.width, g.height])).collect();
     lightmap::dump(folder, &lit.faces, &sizes)

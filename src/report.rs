@@ -4,7 +4,7 @@ use crate::light::DirectLight;
 use crate::patch::MapPatches;
 use crate::radiosity::bounce::Bounced;
 use crate::radiosity::transfers::Transfers;
-use crate::scene::Scene;
+use crate::scene::{LuxelGrid, Scene};
 use crate::stage::Gathered;
 use std::collections::BTreeSet;
 use std::fmt::{self, Display};
@@ -53,7 +53,7 @@ impl Counts {
             .collect();
         Self {
             faces: [lit().count(), scene.surfaces.len()],
-            luxels: lit().map(|grid| grid.len()).sum(),
+            luxels: lit().map(LuxelGrid::len).sum(),
             patches: patches.set.patches.len(),
             lights: scene.lights.len(),
             styles: styles.len(),

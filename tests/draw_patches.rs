@@ -140,7 +140,7 @@ fn pictures_are_readable_by_others() {
     use std::os::unix::fs::PermissionsExt as _;
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("p.png");
-    qrad::render::save_png(&RgbImage::new(2, 2), &path).unwrap();
+    qrad::output::write_png(&path, &RgbImage::new(2, 2)).unwrap();
     assert_eq!(std::fs::metadata(path).unwrap().permissions().mode() & 0o777, 0o644);
 }
 

@@ -1,6 +1,6 @@
 //! Pictures of lightmaps: one PNG a light style, and a table of where each face is.
 
-use super::FinishedFace;
+use super::{FinishedFace, FinishedStyle};
 use crate::{Error, Result, output};
 use etagere::{AtlasAllocator, size2};
 use image::{Rgb, RgbImage};
@@ -19,10 +19,10 @@ const GAP: u32 = 1;
 /// When the folder or a file cannot be written.
 pub fn dump(folder: &Path, faces: &[FinishedFace], sizes: &[[u32; 2]]) -> Result<Vec<PathBuf>> {
     std::fs::create_dir_all(folder).map_err(Error::io("make folder", folder))?;
-    let mut styles: BTreeMap<u8, Vec<(usize, &[[u8; 3]])>> = BTreeMap::new();
+    let mut styles: BTreeMap<u8, Vec<(usize, &FinishedStyle)>> = BTreeMap::new();
     for (face, finished) in faces.iter().enumerate() {
         for map in &finished.styles {
-            styles.entry(map.style).or_default().push((face, &map.levels));
+            styles.entry(map.style).or_default().push((face, map));
         }
     }
     let mut index = String::from("face,style,x,y,width,height\n");
@@ -31,8 +31,8 @@ pub fn dump(folder: &Path, faces: &[FinishedFace], sizes: &[[u32; 2]]) -> Result
         let rects: Vec<[u32; 2]> = maps.iter().map(|&(face, _)| sizes[face]).collect();
         let (places, size) = arrange(&rects);
         let mut picture = RgbImage::new(size[0], size[1]);
-        for ((&(face, levels), [w, h]), [x, y]) in maps.iter().zip(rects).zip(places) {
-            for (i, level) in levels.iter().enumerate() {
+        for ((&(face, map), [w, h]), [x, y]) in maps.iter().zip(rects).zip(places) {
+            for (i, level) in map.levels.iter().enumerate() {
                 picture.put_pixel(x + i as u32 % w, y + i as u32 / w, Rgb(*level));
             }
             let _ = writeln!(index, "{face},{style},{x},{y},{w},{h}");

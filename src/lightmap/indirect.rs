@@ -7,7 +7,7 @@ use crate::photometry::Irradiance;
 use crate::radiosity::bounce::PatchLight;
 use crate::radiosity::hemicube::{DeltaFormFactors, HemicubeSize, View};
 use crate::radiosity::transfers::Gatherer;
-use crate::scene::{Sample, Scene};
+use crate::scene::{Sample, Scene, ShadowRays};
 use glam::DVec3;
 use rayon::prelude::*;
 
@@ -42,8 +42,11 @@ pub fn indirect(
     let faces: Vec<(Vec<StyleLight>, u64)> = (0..samples.len())
         .into_par_iter()
         .map_init(
-            || Gatherer::new(&scene.tracer, &patches.set, &delta, size),
-            |gatherer, face| {
+            || {
+                let gatherer = Gatherer::new(&scene.tracer, &patches.set, &delta, size);
+                (gatherer, ShadowRays::new(&scene.tracer))
+            },
+            |(gatherer, shadows), face| {
                 let receives = !scene.surfaces[face].light_ignore;
                 let samples = if receives { &samples[face][..] } else { &[] };
                 let mut maps: Vec<StyleLight> = light
@@ -61,7 +64,7 @@ pub fn indirect(
                 let mut sums: Vec<DVec3> = Vec::new();
                 for (luxel, sample) in samples.iter().enumerate().filter(|(_, s)| !s.occluded) {
                     let found = gather == Gather::Interpolate
-                        && interpolator.at(scene, sample, &near, light, &mut sums);
+                        && interpolator.at(shadows, sample, &near, light, &mut sums);
                     if !found {
                         let seed = (face as u64) << 32 | luxel as u64;
                         let view = View::turned(sample.position, sample.normal, seed);

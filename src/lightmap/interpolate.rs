@@ -7,7 +7,7 @@
 
 use crate::patch::PatchSet;
 use crate::radiosity::bounce::PatchLight;
-use crate::scene::{Sample, Scene};
+use crate::scene::{Sample, ShadowRays};
 use glam::{DMat3, DVec3, Vec3};
 use std::collections::HashMap;
 
@@ -70,7 +70,7 @@ impl<'a> Interpolator<'a> {
     /// Irradiance at `sample` for each style; false if no patch around can be seen from it.
     pub fn at(
         &self,
-        scene: &Scene,
+        shadows: &mut ShadowRays<'_>,
         sample: &Sample,
         candidates: &[u32],
         light: &[PatchLight],
@@ -83,7 +83,7 @@ impl<'a> Interpolator<'a> {
             let patch = &self.patches.patches[i as usize];
             let offset = patch.eye - sample.position;
             let weight = self.weight(sample.normal, patch.normal, offset) * f64::from(patch.area);
-            if weight <= 0.0 || scene.tracer.blocked(sample.position, patch.eye) {
+            if weight <= 0.0 || shadows.blocked(sample.position, patch.eye) {
                 continue;
             }
             let scale = 1.0 / self.reach;

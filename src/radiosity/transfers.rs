@@ -203,13 +203,14 @@ fn for_each_patch(
                         (r.dot(view.position) + row.w, r.dot(start), r.dot(a) * next)
                     };
                     let (s, t) = (linear(grid.s_row), linear(grid.t_row));
-                    for i in first..to {
-                        let depth = 1.0 / cells.nearness[i];
+                    let cells = cells.nearness.iter().zip(weights).enumerate();
+                    for (i, (near, weight)) in cells.take(to).skip(first) {
+                        let depth = 1.0 / near;
                         let patch = grid.at(
                             s.0 + (s.1 + s.2 * i as f32) * depth,
                             t.0 + (t.1 + t.2 * i as f32) * depth,
                         );
-                        visit(patch, weights[i]);
+                        visit(patch, *weight);
                     }
                 }
             }

@@ -109,25 +109,6 @@ impl Tracer {
         (corners, self.normals[slot], self.bvh.primitive_indices[slot])
     }
 
-    /// Whether a polygon lies between the two points. Both faces of a polygon block. There is no
-    /// tolerance: a polygon through `to` itself blocks, one through `from` does not.
-    pub fn blocked(&self, from: Vec3, to: Vec3) -> bool {
-        if self.nodes.is_empty() {
-            return false;
-        }
-        let reach = (to - from).length();
-        if reach == 0.0 {
-            return false;
-        }
-        let direction = (to - from) / reach;
-        let ray = Ray::new(from.into(), direction.into(), 0.0, reach);
-        !self.bvh.ray_traverse_miss(ray, |ray, slot| {
-            let t = self.intersect(slot, from, direction);
-            // The traversal asks for t < tmax; a blocker at exactly the far end counts too.
-            if t <= ray.tmax { 0.0 } else { f32::INFINITY }
-        })
-    }
-
     /// The nearest polygon along `origin + t direction`, 0 < t < `limit`.
     pub fn first_hit(&self, origin: Vec3, direction: Vec3, limit: f32) -> Option<Hit> {
         if self.nodes.is_empty() {
@@ -143,7 +124,7 @@ impl Tracer {
     }
 
     /// Distance to the polygon in `slot` of the hierarchy, infinite for a miss or t <= 0.
-    /// Two-sided Möller-Trumbore on the fan around the last vertex, as the reference compiler does.
+    /// Two-sided Möller-Trumbore on the fan around the first vertex.
     fn intersect(&self, slot: usize, origin: Vec3, direction: Vec3) -> f32 {
         let (v, _, _) = self.polygon(slot as u32);
         (2..v.len())

@@ -3,6 +3,7 @@
 #![allow(dead_code)]
 
 pub mod map_builder;
+pub mod views;
 
 use std::path::{Path, PathBuf};
 
