@@ -89,7 +89,13 @@ pub fn light_bsp(
     let patches = stage::patches(&scene, &samples, settings, progress);
     let transfers = stage::transfers(&scene, &patches, settings, progress);
     let bounced = stage::bounce(&scene, &patches, &transfers, &direct, settings, progress);
-    let indirect = stage::gather(&scene, &patches, &samples, &bounced, settings, progress);
+    let sources = lightmap::Sources {
+        scene: &scene,
+        patches: &patches,
+        transfers: &transfers,
+        light: &bounced.styles,
+    };
+    let indirect = stage::gather(sources, &samples, settings, progress);
     let counts = Counts::new(&scene, &direct, &patches, &transfers, &bounced, &indirect);
     let faces = lightmap::finish_faces(&scene, &samples, direct, indirect.maps);
     let packed = lightmap::pack(&faces)?;

@@ -96,16 +96,13 @@ pub(crate) struct Gathered {
 
 /// Indirect light at every luxel.
 pub(crate) fn gather(
-    scene: &Scene,
-    patches: &MapPatches,
+    sources: lightmap::Sources<'_>,
     samples: &[Vec<Sample>],
-    bounced: &Bounced,
     settings: &Settings,
     progress: &Progress,
 ) -> Gathered {
     let stage = progress.stage("gather", samples.iter().map(Vec::len).sum());
     let how = (settings.gather, settings.hemicube);
-    let (maps, hemicubes) =
-        lightmap::indirect(scene, patches, samples, &bounced.styles, how, |n| stage.advance(n));
+    let (maps, hemicubes) = lightmap::indirect(sources, samples, how, |n| stage.advance(n));
     Gathered { maps, hemicubes }
 }

@@ -1,86 +1,189 @@
 //! Indirect light at luxels.
 
-use super::interpolate::Interpolator;
+use super::interpolate::{Interpolator, Known};
 use crate::light::StyleLight;
 use crate::patch::MapPatches;
 use crate::photometry::Irradiance;
 use crate::radiosity::bounce::PatchLight;
 use crate::radiosity::hemicube::{DeltaFormFactors, HemicubeSize, View};
-use crate::radiosity::transfers::Gatherer;
+use crate::radiosity::transfers::{Gatherer, Transfers};
 use crate::scene::{Sample, Scene, ShadowRays};
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
 /// How indirect light gets from patches to luxels.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Gather {
-    /// Interpolate between the patches around a luxel; luxels that see none of them get a hemicube.
+    /// Interpolate between patches; where they are too far apart for what is near, between some
+    /// luxels that get a hemicube of their own.
     #[default]
     Interpolate,
     /// A hemicube at every luxel.
     Luxel,
 }
 
+/// The solution that luxels gather from.
+#[derive(Clone, Copy)]
+pub struct Sources<'a> {
+    /// The map.
+    pub scene: &'a Scene,
+    /// Its patches.
+    pub patches: &'a MapPatches,
+    /// What the patches see.
+    pub transfers: &'a Transfers,
+    /// Their light in every style.
+    pub light: &'a [PatchLight],
+}
+
 /// Indirect irradiance at the luxels of every surface, one map a style that reaches it, and the
 /// number of hemicubes drawn. `samples` holds the luxels of each surface; `advance(n)` is told of
 /// every n luxels done.
 pub fn indirect(
-    scene: &Scene,
-    patches: &MapPatches,
+    sources: Sources<'_>,
     samples: &[Vec<Sample>],
-    light: &[PatchLight],
     (gather, size): (Gather, HemicubeSize),
     advance: impl Fn(u64) + Sync,
 ) -> (Vec<Vec<StyleLight>>, u64) {
-    if light.is_empty() {
+    if sources.light.is_empty() {
         return (vec![Vec::new(); samples.len()], 0);
     }
-    let delta = DeltaFormFactors::new(size);
-    let interpolator = Interpolator::new(&patches.set);
-    let exitance: Vec<Vec<glam::Vec3>> =
-        light.iter().map(|l| l.exitance.iter().map(|m| m.0).collect()).collect();
-    let faces: Vec<(Vec<StyleLight>, u64)> = (0..samples.len())
-        .into_par_iter()
-        .map_init(
-            || {
-                let gatherer = Gatherer::new(&scene.tracer, &patches.set, &delta, size);
-                (gatherer, ShadowRays::new(&scene.tracer))
-            },
-            |(gatherer, shadows), face| {
-                let receives = !scene.surfaces[face].light_ignore;
-                let samples = if receives { &samples[face][..] } else { &[] };
-                let mut maps: Vec<StyleLight> = light
-                    .iter()
-                    .map(|l| StyleLight {
-                        style: l.style,
-                        irradiance: vec![Irradiance::ZERO; samples.len()],
-                    })
-                    .collect();
-                let mut hemicubes = 0;
-                let near = match gather {
-                    Gather::Interpolate => interpolator.candidates(samples),
-                    Gather::Luxel => Vec::new(),
-                };
-                let mut sums: Vec<DVec3> = Vec::new();
-                for (luxel, sample) in samples.iter().enumerate().filter(|(_, s)| !s.occluded) {
-                    let found = gather == Gather::Interpolate
-                        && interpolator.at(shadows, sample, &near, light, &mut sums);
-                    if !found {
-                        let seed = (face as u64) << 32 | luxel as u64;
-                        let view = View::turned(sample.position, sample.normal, seed);
-                        gatherer.irradiance(&view, &exitance, &mut sums);
-                        hemicubes += 1;
-                    }
-                    for (map, sum) in maps.iter_mut().zip(&sums) {
-                        map.irradiance[luxel] = Irradiance(sum.as_vec3());
-                    }
-                }
-                maps.retain(|m| m.irradiance.iter().any(|e| *e != Irradiance::ZERO));
-                advance(samples.len() as u64);
-                (maps, hemicubes)
-            },
-        )
+    let mut faces: Vec<Face<'_>> = samples
+        .iter()
+        .zip(&sources.scene.surfaces)
+        .map(|(samples, surface)| Face {
+            samples: if surface.light_ignore { &[] } else { samples },
+            width: surface.luxels.as_ref().map_or(1, |g| g.width as usize),
+            light: vec![None; samples.len()],
+        })
         .collect();
-    let hemicubes = faces.iter().map(|f| f.1).sum();
-    (faces.into_iter().map(|f| f.0).collect(), hemicubes)
+    let drawn = Drawn { sources, delta: DeltaFormFactors::new(size), size };
+    let mut hemicubes = 0;
+    if gather == Gather::Interpolate {
+        let mut known = known_patches(sources);
+        interpolate(sources, &known, &mut faces);
+        // Every other luxel of those left, and then the rest between them.
+        hemicubes += drawn.fill(&mut faces, |s, t| s % 2 == 0 && t % 2 == 0, Some(&mut known));
+        interpolate(sources, &known, &mut faces);
+    }
+    hemicubes += drawn.fill(&mut faces, |_, _| true, None);
+    let maps = faces
+        .into_par_iter()
+        .map(|face| {
+            advance(face.samples.len() as u64);
+            face.maps(sources.light)
+        })
+        .collect();
+    (maps, hemicubes)
+}
+
+/// The luxels of a face while they are being filled.
+struct Face<'a> {
+    samples: &'a [Sample],
+    width: usize,
+    /// Irradiance in every style, where it is known by now.
+    light: Vec<Option<Vec<DVec3>>>,
+}
+
+impl Face<'_> {
+    /// Luxels that still need light.
+    fn missing(&self) -> impl Iterator<Item = usize> + '_ {
+        let free = self.samples.iter().enumerate().filter(|(_, s)| !s.occluded);
+        free.map(|(i, _)| i).filter(|&i| self.light[i].is_none())
+    }
+
+    fn maps(&self, light: &[PatchLight]) -> Vec<StyleLight> {
+        let map = |(k, l): (usize, &PatchLight)| {
+            let irradiance = self
+                .light
+                .iter()
+                .map(|e| e.as_ref().map_or(Irradiance::ZERO, |e| Irradiance(e[k].as_vec3())))
+                .collect();
+            StyleLight { style: l.style, irradiance }
+        };
+        let maps = light.iter().enumerate().map(map);
+        maps.filter(|m| m.irradiance.iter().any(|e| *e != Irradiance::ZERO)).collect()
+    }
+}
+
+/// The patches as known points.
+fn known_patches(sources: Sources<'_>) -> Interpolator {
+    let mut known = Interpolator::new(sources.light.len());
+    for (i, patch) in sources.patches.set.patches.iter().enumerate() {
+        let point = Known::new(patch.eye, patch.normal, sources.transfers.openness(i));
+        known.add(point, sources.light.iter().map(|l| l.irradiance[i].0.as_dvec3()));
+    }
+    known
+}
+
+/// Interpolates what can be.
+fn interpolate(sources: Sources<'_>, known: &Interpolator, faces: &mut [Face<'_>]) {
+    faces.par_iter_mut().for_each_init(
+        || ShadowRays::new(&sources.scene.tracer),
+        |shadows, face| {
+            let missing: Vec<usize> = face.missing().collect();
+            if missing.is_empty() {
+                return;
+            }
+            let candidates = known.candidates(face.samples);
+            for i in missing {
+                let mut light = Vec::new();
+                if known.at(shadows, &face.samples[i], &candidates, &mut light) {
+                    face.light[i] = Some(light);
+                }
+            }
+        },
+    );
+}
+
+/// What drawing hemicubes at luxels needs.
+struct Drawn<'a> {
+    sources: Sources<'a>,
+    delta: DeltaFormFactors,
+    size: HemicubeSize,
+}
+
+impl Drawn<'_> {
+    /// Draws a hemicube at every luxel (column, row) that still needs light and is `wanted`; adds
+    /// them to `known`. Returns how many.
+    fn fill(
+        &self,
+        faces: &mut [Face<'_>],
+        wanted: impl Fn(usize, usize) -> bool + Sync,
+        known: Option<&mut Interpolator>,
+    ) -> u64 {
+        let Sources { scene, patches, light, .. } = self.sources;
+        let exitance: Vec<Vec<Vec3>> =
+            light.iter().map(|l| l.exitance.iter().map(|m| m.0).collect()).collect();
+        let drawn: Vec<Vec<(Known, Vec<DVec3>)>> = faces
+            .par_iter_mut()
+            .enumerate()
+            .map_init(
+                || Gatherer::new(&scene.tracer, &patches.set, &self.delta, self.size),
+                |gatherer, (number, face)| {
+                    let width = face.width;
+                    let here: Vec<usize> =
+                        face.missing().filter(|i| wanted(i % width, i / width)).collect();
+                    here.into_iter()
+                        .map(|i| {
+                            let sample = &face.samples[i];
+                            let seed = (number as u64) << 32 | i as u64;
+                            gatherer.look(&View::turned(sample.position, sample.normal, seed));
+                            let mut light = Vec::new();
+                            gatherer.irradiance(&exitance, &mut light);
+                            face.light[i] = Some(light.clone());
+                            let openness = gatherer.openness();
+                            (Known::new(sample.position, sample.normal, openness), light)
+                        })
+                        .collect()
+                },
+            )
+            .collect();
+        let count = drawn.iter().map(Vec::len).sum::<usize>() as u64;
+        if let Some(known) = known {
+            for (point, light) in drawn.into_iter().flatten() {
+                known.add(point, light);
+            }
+        }
+        count
+    }
 }

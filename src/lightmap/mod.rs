@@ -10,5 +10,5 @@ mod pack;
 pub use atlas::dump;
 pub use faces::finish_faces;
 pub use finish::{FinishSettings, FinishedFace, FinishedStyle, finish};
-pub use indirect::{Gather, indirect};
+pub use indirect::{Gather, Sources, indirect};
 pub use pack::{Packed, pack};

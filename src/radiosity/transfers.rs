@@ -18,6 +18,7 @@ pub struct Transfers {
 
 #[derive(Default)]
 struct Chunk {
+    openness: Vec<f32>,
     ends: Vec<u32>,
     columns: Vec<u32>,
     weights: Vec<f32>,
@@ -44,7 +45,9 @@ impl Transfers {
                     for i in members {
                         let patch = &patches.patches[i];
                         let view = View::turned(patch.eye, patch.normal, i as u64);
-                        for &(j, f) in gatherer.row(&view) {
+                        gatherer.look(&view);
+                        rows.openness.push(gatherer.openness());
+                        for &(j, f) in gatherer.row() {
                             rows.columns.push(j.0);
                             rows.weights.push(f as f32);
                         }
@@ -80,6 +83,11 @@ impl Transfers {
         let from = if i == 0 { 0 } else { chunk.ends[i - 1] as usize };
         let to = chunk.ends[i] as usize;
         (&chunk.columns[from..to], &chunk.weights[from..to])
+    }
+
+    /// Harmonic mean distance to what patch `row` sees, see [`Gatherer::openness`].
+    pub fn openness(&self, row: usize) -> f32 {
+        self.chunks[row / CHUNK].openness[row % CHUNK]
     }
 
     /// Irradiance at each patch when patch j has exitance `exitance[j]`: E_i = sum_j F_ij M_j.
@@ -127,8 +135,8 @@ impl<'a> Gatherer<'a> {
         }
     }
 
-    /// Form factors from the point of `view` to all patches seen, in ascending order of patch.
-    pub fn row(&mut self, view: &View) -> &[(PatchId, f64)] {
+    /// Draws the hemicube of `view`; the other functions tell what it shows.
+    pub fn look(&mut self, view: &View) {
         self.buffer.draw(self.tracer, view);
         self.row.clear();
         let (sums, row) = (&mut self.sums, &mut self.row);
@@ -143,18 +151,35 @@ impl<'a> Gatherer<'a> {
         for (patch, f) in row.iter_mut() {
             *f = std::mem::take(&mut sums[patch.0 as usize]);
         }
-        row
     }
 
-    /// Irradiance at the point of `view` when patch j has exitance `exitance[j]`.
-    pub fn irradiance(&mut self, view: &View, exitance: &[Vec<Vec3>], out: &mut Vec<DVec3>) {
+    /// Form factors from the point looked from to all patches seen, in ascending order of patch.
+    pub fn row(&self) -> &[(PatchId, f64)] {
+        &self.row
+    }
+
+    /// Irradiance at the point looked from when patch j has exitance `exitance[j]`, for each style.
+    pub fn irradiance(&self, exitance: &[Vec<Vec3>], out: &mut Vec<DVec3>) {
         out.clear();
         out.resize(exitance.len(), DVec3::ZERO);
-        for &(patch, f) in self.row(view) {
+        for &(patch, f) in &self.row {
             for (sum, style) in out.iter_mut().zip(exitance) {
                 *sum += style[patch.0 as usize].as_dvec3() * f;
             }
         }
+    }
+
+    /// Harmonic mean of the distances to what is seen, weighted by form factor, in world units;
+    /// infinite when nothing is seen. Irradiance varies over lengths of this order (G. Ward, F.
+    /// Rubinstein and R. Clear, "A ray tracing solution for diffuse interreflection", 1988).
+    pub fn openness(&self) -> f32 {
+        let mut inverse = 0.0;
+        self.buffer.for_each_row(|cells| {
+            let from = (cells.y * self.buffer.size().width() + cells.x) as usize;
+            let weights = &self.delta.over_length(cells.side)[from..];
+            inverse += cells.nearness.iter().zip(weights).map(|(n, w)| n * w).sum::<f32>();
+        });
+        1.0 / inverse
     }
 }
 

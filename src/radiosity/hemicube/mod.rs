@@ -127,36 +127,59 @@ fn hash(seed: u64) -> f64 {
 
 /// Exact form factors of all cells, from the closed form of a rectangle: they sum to 1.
 pub struct DeltaFormFactors {
-    top: Vec<f32>,
-    side: Vec<f32>,
+    top: Table,
+    side: Table,
+}
+
+/// Cells of one side, row by row.
+struct Table {
+    factor: Vec<f32>,
+    /// Form factor over the length of the direction to the cell's centre at depth 1.
+    over_length: Vec<f32>,
 }
 
 impl DeltaFormFactors {
     /// The tables of a hemicube of this size.
     pub fn new(size: HemicubeSize) -> Self {
-        let (w, h) = (size.width, size.height);
-        let edge = |i: u32, n: u32| 2.0 * f64::from(i) / f64::from(n);
-        let table = |rows: u32, top: bool| {
-            let mut cells = Vec::with_capacity((w * rows) as usize);
-            for y in 0..rows {
-                for x in 0..w {
-                    let a = [edge(x, w) - 1.0, edge(x + 1, w) - 1.0];
-                    let b = [edge(y, h), edge(y + 1, h)];
-                    cells.push(if top {
-                        rectangle(parallel_corner, a, b.map(|b| b - 1.0)) as f32
-                    } else {
-                        rectangle(upright_corner, a, b) as f32
-                    });
-                }
-            }
-            cells
-        };
-        Self { top: table(h, true), side: table(h / 2, false) }
+        Self { top: Table::new(size, SideId::Top), side: Table::new(size, SideId::Right) }
     }
 
     /// Form factors of one side, row by row.
     pub fn of(&self, side: SideId) -> &[f32] {
+        &self.table(side).factor
+    }
+
+    /// Form factors over direction lengths: times a cell's nearness this is form factor over
+    /// distance.
+    pub(super) fn over_length(&self, side: SideId) -> &[f32] {
+        &self.table(side).over_length
+    }
+
+    fn table(&self, side: SideId) -> &Table {
         if side == SideId::Top { &self.top } else { &self.side }
+    }
+}
+
+impl Table {
+    fn new(size: HemicubeSize, side: SideId) -> Self {
+        let (w, h) = (size.width, size.height);
+        let edge = |i: u32, n: u32| 2.0 * f64::from(i) / f64::from(n);
+        let (mut factor, mut over_length) = (Vec::new(), Vec::new());
+        for y in 0..size.rows(side) {
+            for x in 0..w {
+                let a = [edge(x, w) - 1.0, edge(x + 1, w) - 1.0];
+                let b = [edge(y, h), edge(y + 1, h)];
+                let f = if side == SideId::Top {
+                    rectangle(parallel_corner, a, b.map(|b| b - 1.0)) as f32
+                } else {
+                    rectangle(upright_corner, a, b) as f32
+                };
+                let centre = size.cell_centre(side, x, y);
+                factor.push(f);
+                over_length.push(f / (1.0 + centre.length_squared()).sqrt());
+            }
+        }
+        Self { factor, over_length }
     }
 }
 
