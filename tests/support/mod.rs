@@ -2,7 +2,9 @@
 // Each test binary uses its own part of this module.
 #![allow(dead_code)]
 
+pub mod lit_map;
 pub mod map_builder;
+pub mod quads;
 pub mod views;
 
 use std::path::{Path, PathBuf};
