@@ -4,6 +4,7 @@
 
 pub mod lit_map;
 pub mod map_builder;
+pub mod program;
 pub mod quads;
 pub mod views;
 
