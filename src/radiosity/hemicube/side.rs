@@ -342,7 +342,7 @@ mod tests {
         side.fill(&[[0.0, 0.0], [19.0, 0.0], [19.0, 12.0], [0.0, 12.0]], FLAT, 0);
         assert!(side.covered([0.0, 0.0], [15.0, 11.0], 0.9));
         assert!(!side.covered([0.0, 0.0], [15.0, 11.0], 1.1));
-        assert!(!side.covered([0.0, 0.0], [19.0, 11.0], 0.9));
+        assert!(!side.covered([0.0, 0.0], [20.0, 11.0], 0.9));
         assert!(side.covered([16.0, 1.0], [19.4, 11.0], 0.9), "no centre right of column 18");
         assert!(!side.covered([16.0, 1.0], [19.6, 11.0], 0.9));
         side.fill(&[[19.0, 0.0], [20.0, 0.0], [20.0, 12.0], [19.0, 12.0]], FLAT, 0);
