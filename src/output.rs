@@ -35,7 +35,7 @@ pub fn write_all(files: &[(&Path, &[u8])]) -> Result<()> {
 /// When there is a folder.
 pub fn check_replaceable(path: &Path) -> Result<()> {
     if path.is_dir() {
-        return Err(Error::io("replace", path)(std::io::ErrorKind::IsADirectory.into()));
+        return Err(Error::io("write", path)(std::io::ErrorKind::IsADirectory.into()));
     }
     Ok(())
 }
