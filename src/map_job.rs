@@ -102,6 +102,7 @@ fn write_map(path: &Path, bsp: &Bsp, rgb: Option<&[u8]>) -> qrad::Result<Vec<Pat
         output::write_all(&[(&lit_path, &lit), (path, &map)])?;
         Ok(vec![path.to_path_buf(), lit_path])
     } else {
+        output::check_replaceable(&lit_path)?;
         output::write(path, &map)?;
         output::remove(&lit_path)?;
         Ok(vec![path.to_path_buf()])

@@ -19,10 +19,23 @@ pub fn write(path: &Path, bytes: &[u8]) -> Result<()> {
 /// # Errors
 /// When a folder cannot be written to.
 pub fn write_all(files: &[(&Path, &[u8])]) -> Result<()> {
+    files.iter().try_for_each(|(path, _)| check_replaceable(path))?;
     let written: Vec<_> =
         files.iter().map(|(path, bytes)| write_beside(path, bytes)).collect::<Result<_>>()?;
     for (file, (path, _)) in written.into_iter().zip(files) {
         file.persist(path).map_err(|e| Error::io("replace", path)(e.error))?;
+    }
+    Ok(())
+}
+
+/// Whether a file can take this place, as far as that can be told before writing: it cannot replace a
+/// folder. For paths that are changed after others have been written.
+///
+/// # Errors
+/// When there is a folder.
+pub fn check_replaceable(path: &Path) -> Result<()> {
+    if path.is_dir() {
+        return Err(Error::io("write", path)(std::io::ErrorKind::IsADirectory.into()));
     }
     Ok(())
 }

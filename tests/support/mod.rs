@@ -2,7 +2,10 @@
 // Each test binary uses its own part of this module.
 #![allow(dead_code)]
 
+pub mod lit_map;
 pub mod map_builder;
+pub mod program;
+pub mod quads;
 pub mod views;
 
 use std::path::{Path, PathBuf};

@@ -1,0 +1,60 @@
+//! The stages of a map run one by one, with everything that they make.
+
+use qrad::bsp::Bsp;
+use qrad::light::{DirectLight, StyleLight, direct};
+use qrad::lightmap::{Gather, indirect};
+use qrad::patch::MapPatches;
+use qrad::radiosity::bounce::{Bounced, bounce};
+use qrad::radiosity::solve::Limits;
+use qrad::radiosity::transfers::Transfers;
+use qrad::scene::{Sample, Scene, SceneSettings, Sidecar, luxels};
+use qrad::settings::Settings;
+
+/// A map up to its transfers.
+pub struct Prepared {
+    pub scene: Scene,
+    pub samples: Vec<Vec<Sample>>,
+    pub patches: MapPatches,
+    pub transfers: Transfers,
+    pub settings: Settings,
+}
+
+/// The light of a map, before it becomes levels.
+pub struct Lit {
+    pub direct: Vec<DirectLight>,
+    pub bounced: Bounced,
+    /// Indirect light at the luxels of each surface.
+    pub indirect: Vec<Vec<StyleLight>>,
+}
+
+impl Prepared {
+    pub fn new(bsp: &Bsp, settings: Settings, area_lights: bool) -> Self {
+        let scene_settings =
+            SceneSettings { area_lights, grey: settings.grey, ..SceneSettings::default() };
+        let scene = Scene::build(bsp, Sidecar::default(), &scene_settings).unwrap();
+        let samples: Vec<_> =
+            (0..scene.surfaces.len()).map(|face| luxels::place(&scene, face, 1)).collect();
+        let patches = MapPatches::new(&scene, &samples, settings.patch_size);
+        let transfers = Transfers::compute(&scene.tracer, &patches.set, settings.hemicube, |_| {});
+        Self { scene, samples, patches, transfers, settings }
+    }
+
+    /// A map of the project, with default settings.
+    pub fn project_map(name: &str, area_lights: bool) -> Self {
+        let path = super::maps_dir().join(name);
+        let bsp = Bsp::read(&std::fs::read(path).unwrap()).unwrap();
+        Self::new(&bsp, Settings::default(), area_lights)
+    }
+
+    pub fn light(&self, gather: Gather) -> Lit {
+        let Self { scene, samples, patches, transfers, settings } = self;
+        let direct: Vec<DirectLight> =
+            samples.iter().enumerate().map(|(face, s)| direct(scene, face, s)).collect();
+        let emission = patches.emission(&scene.emitters);
+        let limits = Limits { passes: settings.bounces, residual: settings.residual };
+        let bounced = bounce(patches, transfers, &direct, &emission, limits, |_| {});
+        let how = (gather, settings.hemicube);
+        let (indirect, _) = indirect(scene, patches, samples, &bounced.styles, how, |_| {});
+        Lit { direct, bounced, indirect }
+    }
+}
