@@ -5,10 +5,13 @@ use super::entity_lights;
 use super::materials::Materials;
 use super::models::{self, Model};
 use super::neighbours::Neighbours;
+use super::overrides;
 use super::shape::{AREA_EPS, LuxelMap, Shape, area_and_centre};
+use super::random::Random;
 use super::sidecar::{self, Sidecar, TexInfoKeys};
 use super::solid::Solid;
 use super::surface::{LuxelGrid, Role, Surface};
+use super::suns;
 use super::surface_lights::{self, Faces};
 use super::tracer::{Polygon, Tracer};
 use super::world::WorldSettings;
@@ -33,11 +36,19 @@ pub struct SceneSettings {
     pub textures: Vec<MipTex>,
     /// Surface lights are area light: the faces emit, no point lights are placed before them.
     pub area_lights: bool,
+    /// Worldspawn keys and values that win over those of the map, in any spelling of the key.
+    pub overrides: Vec<(String, String)>,
 }
 
 impl Default for SceneSettings {
     fn default() -> Self {
-        Self { reflectance_scale: 1.0, grey: false, textures: Vec::new(), area_lights: false }
+        Self {
+            reflectance_scale: 1.0,
+            grey: false,
+            textures: Vec::new(),
+            area_lights: false,
+            overrides: Vec::new(),
+        }
     }
 }
 
@@ -53,8 +64,8 @@ impl Scene {
         let mut entities = parse_entities(&bsp.entities)?;
         normalise(&mut entities)?;
         let nothing = Entity::default();
-        let worldspawn = entities.first().unwrap_or(&nothing);
-        let world = WorldSettings::read(worldspawn, &mut warnings, &mut not_simulated);
+        let worldspawn = overrides::apply(entities.first().unwrap_or(&nothing), &settings.overrides);
+        let world = WorldSettings::read(&worldspawn, &mut warnings, &mut not_simulated);
         let keys = sidecar::texinfo_keys(
             sidecar.texinfo,
             bsp.texinfos.len(),
@@ -76,7 +87,7 @@ impl Scene {
         materials
             .warn(surfaces.iter().filter(|s| s.reflects).filter_map(|s| s.texture), &mut warnings);
 
-        let mut drafts = entity_lights::read(&entities, &world, &mut warnings, &mut not_simulated);
+        let mut drafts = entity_lights::read(&entities, bsp, &world, &mut warnings, &mut not_simulated);
         let colours: Vec<Vec3> = surfaces.iter().map(|s| materials.colour(s.texture)).collect();
         let light_faces = Faces {
             bsp,
@@ -89,13 +100,17 @@ impl Scene {
             area_lights: settings.area_lights,
         };
         let emitters = surface_lights::add_copies(&mut drafts, &light_faces, &mut warnings)?;
-        let lights = entity_lights::finish(drafts, &entities, &world, &solid, &mut warnings)?;
+        let mut random = Random::new();
+        let (lights, sky) =
+            entity_lights::finish(drafts, &entities, &world, &solid, &mut random, &mut warnings)?;
+        let suns = suns::make(&worldspawn, &world, &sky, &mut random);
 
         let (tracer, tracer_surface) = build_tracer(&surfaces);
         Ok(Self {
             surfaces,
             models,
             lights,
+            suns,
             emitters,
             world,
             tracer,

@@ -3,17 +3,20 @@
 mod build;
 mod entity_lights;
 pub(crate) mod exact;
+mod first_hit;
 mod keys;
 pub mod lights;
 pub mod luxels;
 mod materials;
 mod models;
 mod neighbours;
+mod overrides;
 mod random;
 mod shadow;
 mod shape;
 mod sidecar;
 mod solid;
+mod suns;
 mod surface;
 mod surface_lights;
 mod tie;
@@ -28,6 +31,7 @@ pub use models::{Model, ShadowClass};
 pub use shadow::ShadowRays;
 pub use sidecar::Sidecar;
 pub use solid::Solid;
+pub use suns::Sun;
 pub use surface::{LuxelGrid, Role, Surface};
 pub use surface_lights::Emitter;
 pub use tracer::{Hit, Node, Polygon, Tracer};
@@ -42,6 +46,8 @@ pub struct Scene {
     pub models: Vec<Model>,
     /// The lights that shine, copies included, in the order in which they are added up.
     pub lights: Vec<Light>,
+    /// Suns and the suns that sky domes are made of, in the order in which they are added up.
+    pub suns: Vec<Sun>,
     /// The surfaces that emit light as areas.
     pub emitters: Vec<Emitter>,
     /// What worldspawn sets for the whole map.
