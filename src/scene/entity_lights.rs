@@ -155,6 +155,7 @@ impl Reader<'_> {
         if attenuation.is_none() || self.is_out_of_scope() {
             brightness = 0.0;
         }
+        let channel_mask = self.entity.setting("light_channel_mask").map_or(1, keys::integer);
         let outer_angle = self
             .number("cone")
             .map(|radius| radius * 2.0)
@@ -179,7 +180,11 @@ impl Reader<'_> {
                     outer: 0.0,
                     inner: 0.0,
                 }),
-                channel_mask: self.entity.setting("light_channel_mask").map_or(1, keys::integer),
+                channel_mask,
+                shadow_mask: self
+                    .entity
+                    .setting("shadow_channel_mask")
+                    .map_or(channel_mask, keys::integer),
                 entity: index,
             },
             template: self.template(world),
@@ -243,13 +248,9 @@ impl Reader<'_> {
                 .insert("light _project_texture: projected textures not simulated yet".into());
             return true;
         }
-        if self.entity.setting("switchableshadow_target").is_some_and(|t| !t.is_empty()) {
-            self.not_simulated.insert(
-                "light _switchableshadow_target: switchable shadows not simulated yet".into(),
-            );
-            return true;
-        }
+        // Such a light only names the shadow that its style switches.
         self.flag("nostaticlight")
+            || self.entity.setting("switchableshadow_target").is_some_and(|t| !t.is_empty())
     }
 
     fn template(&mut self, world: &WorldSettings) -> Option<Template> {
@@ -304,7 +305,8 @@ pub(crate) fn finish(
             sky.push(source);
             continue;
         }
-        if !draft.no_nudge && draft.light.channel_mask == 1 && !nudge(&mut draft.light, solid) {
+        let default_channel = draft.light.channel_mask == 1 && draft.light.shadow_mask == 1;
+        if !draft.no_nudge && default_channel && !nudge(&mut draft.light, solid) {
             stuck.push(draft.light.origin);
         }
         lights.push(draft.light);

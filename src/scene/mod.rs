@@ -3,8 +3,11 @@
 mod build;
 mod entity_lights;
 pub(crate) mod exact;
+mod filter;
 mod first_hit;
+mod hull;
 mod keys;
+mod light_rays;
 pub mod lights;
 pub mod luxels;
 mod materials;
@@ -19,12 +22,15 @@ mod solid;
 mod suns;
 mod surface;
 mod surface_lights;
+mod texels;
 mod tie;
 mod tracer;
 mod wander;
 mod world;
 
 pub use build::SceneSettings;
+pub use filter::Filters;
+pub use light_rays::{Arrival, LightRays};
 pub use lights::Light;
 pub use luxels::Sample;
 pub use models::{Model, ShadowClass};
@@ -52,10 +58,12 @@ pub struct Scene {
     pub emitters: Vec<Emitter>,
     /// What worldspawn sets for the whole map.
     pub world: WorldSettings,
-    /// The surfaces that block light.
+    /// The surfaces that block all light.
     pub tracer: Tracer,
     /// Index in `surfaces` of each polygon of `tracer`.
     pub tracer_surface: Vec<u32>,
+    /// What blocks some light, or changes it.
+    pub filters: Filters,
     /// Solid space of the brush models.
     pub solid: Solid,
     /// What the map asks for that is not simulated, one sentence each, sorted.
