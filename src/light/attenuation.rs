@@ -52,6 +52,7 @@ mod tests {
             style: 0,
             spot: None,
             channel_mask: 1,
+            shadow_mask: 1,
             entity: 0,
         }
     }

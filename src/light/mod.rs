@@ -4,10 +4,11 @@
 mod attenuation;
 mod point;
 mod spot;
+mod sun;
 
 use crate::photometry::Irradiance;
 use crate::scene::exact::{brightness, distance, dot, length};
-use crate::scene::{Light, Sample, Scene, ShadowRays, Surface};
+use crate::scene::{Light, LightRays, Sample, Scene, Surface};
 use glam::Vec3;
 
 /// Irradiance of one light style at a list of samples.
@@ -39,31 +40,48 @@ pub fn direct(scene: &Scene, surface: usize, samples: &[Sample]) -> DirectLight 
         return result;
     }
     let sphere = BoundingSphere::of(surface);
-    let mut shadows = ShadowRays::new(&scene.tracer);
+    let mut rays = LightRays::new(scene, surface.model);
     for light in &scene.lights {
         let styles = if light.brightness > 0.0 { &mut result.styles } else { &mut result.negative };
-        light_surface(scene, light, surface, &sphere, samples, &mut shadows, styles);
+        light_surface(scene, light, surface, &sphere, samples, &mut rays, styles);
     }
-    result.rays = shadows.rays();
+    for sun in &scene.suns {
+        let styles = if sun.brightness > 0.0 { &mut result.styles } else { &mut result.negative };
+        sun::light_surface(scene, sun, surface, samples, &mut rays, styles);
+    }
+    result.rays = rays.rays();
     result
 }
 
 /// Direct light at a point with a unit normal that belongs to no surface: style and irradiance,
-/// negative lights included, in the order of the lights.
+/// negative lights included, in the order of the lights, then of the suns.
 pub fn at(scene: &Scene, position: Vec3, normal: Vec3) -> Vec<(u16, Irradiance)> {
-    let mut shadows = ShadowRays::new(&scene.tracer);
+    let mut rays = LightRays::new(scene, None);
     let mut styles: Vec<(u16, Irradiance)> = Vec::new();
+    let mut add =
+        |style: u16, colour: Vec3| match styles.iter_mut().find(|s| s.0 == style) {
+            Some(style) => style.1 += Irradiance(colour),
+            None => styles.push((style, Irradiance(colour))),
+        };
     for light in &scene.lights {
         let Some(colour) = point::unshadowed(light, scene.world.dist, position, normal, false)
         else {
             continue;
         };
-        if brightness(colour).abs() <= scene.world.gate || shadows.blocked(position, light.origin) {
+        if brightness(colour).abs() <= scene.world.gate {
             continue;
         }
-        match styles.iter_mut().find(|s| s.0 == light.style) {
-            Some(style) => style.1 += Irradiance(colour),
-            None => styles.push((light.style, Irradiance(colour))),
+        if let Some(arrival) = rays.between(position, light.origin, light.shadow_mask, colour) {
+            add(arrival.style_of(light.style), arrival.colour);
+        }
+    }
+    for sun in &scene.suns {
+        let colour = sun::unshadowed(sun, normal, false);
+        if brightness(colour).abs() <= scene.world.gate {
+            continue;
+        }
+        if let Some(arrival) = sun::seen(scene, sun, position, colour, &mut rays) {
+            add(arrival.style_of(sun.style), arrival.colour);
         }
     }
     styles
@@ -76,7 +94,7 @@ fn light_surface(
     surface: &Surface,
     sphere: &BoundingSphere,
     samples: &[Sample],
-    shadows: &mut ShadowRays<'_>,
+    rays: &mut LightRays<'_>,
     styles: &mut Vec<StyleLight>,
 ) {
     let (dist, gate) = (scene.world.dist, scene.world.gate);
@@ -87,7 +105,6 @@ fn light_surface(
     {
         return;
     }
-    let mut slot = styles.iter().position(|s| s.style == light.style);
     for (i, sample) in samples.iter().enumerate().filter(|(_, s)| !s.occluded) {
         let Some(colour) =
             point::unshadowed(light, dist, sample.position, sample.normal, surface.two_sided)
@@ -97,16 +114,20 @@ fn light_surface(
         if brightness(colour).abs() <= gate {
             continue;
         }
-        if shadows.blocked(sample.position, light.origin) {
-            continue;
+        let arrival = rays.between(sample.position, light.origin, light.shadow_mask, colour);
+        if let Some(arrival) = arrival {
+            add(styles, arrival.style_of(light.style), samples.len(), i, arrival.colour);
         }
-        let slot = *slot.get_or_insert_with(|| {
-            let irradiance = vec![Irradiance::ZERO; samples.len()];
-            styles.push(StyleLight { style: light.style, irradiance });
-            styles.len() - 1
-        });
-        styles[slot].irradiance[i] += Irradiance(colour);
     }
+}
+
+/// Adds light of a style to sample `i` of `count`.
+fn add(styles: &mut Vec<StyleLight>, style: u16, count: usize, i: usize, colour: Vec3) {
+    let slot = styles.iter().position(|s| s.style == style).unwrap_or_else(|| {
+        styles.push(StyleLight { style, irradiance: vec![Irradiance::ZERO; count] });
+        styles.len() - 1
+    });
+    styles[slot].irradiance[i] += Irradiance(colour);
 }
 
 /// A sphere around a surface.

@@ -55,6 +55,8 @@ pub struct Light {
     pub spot: Option<Spot>,
     /// Channels; faces without a common channel are not lit.
     pub channel_mask: i32,
+    /// Channels of the surfaces that cast shadow in its light.
+    pub shadow_mask: i32,
     /// Index of the entity that it comes from.
     pub entity: u32,
 }

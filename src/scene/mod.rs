@@ -3,31 +3,41 @@
 mod build;
 mod entity_lights;
 pub(crate) mod exact;
+mod filter;
+mod first_hit;
+mod hull;
 mod keys;
+mod light_rays;
 pub mod lights;
 pub mod luxels;
 mod materials;
 mod models;
 mod neighbours;
+mod overrides;
 mod random;
 mod shadow;
 mod shape;
 mod sidecar;
 mod solid;
+mod suns;
 mod surface;
 mod surface_lights;
+mod texels;
 mod tie;
 mod tracer;
 mod wander;
 mod world;
 
 pub use build::SceneSettings;
+pub use filter::Filters;
+pub use light_rays::{Arrival, LightRays};
 pub use lights::Light;
 pub use luxels::Sample;
 pub use models::{Model, ShadowClass};
 pub use shadow::ShadowRays;
 pub use sidecar::Sidecar;
 pub use solid::Solid;
+pub use suns::Sun;
 pub use surface::{LuxelGrid, Role, Surface};
 pub use surface_lights::Emitter;
 pub use tracer::{Hit, Node, Polygon, Tracer};
@@ -42,14 +52,18 @@ pub struct Scene {
     pub models: Vec<Model>,
     /// The lights that shine, copies included, in the order in which they are added up.
     pub lights: Vec<Light>,
+    /// Suns and the suns that sky domes are made of, in the order in which they are added up.
+    pub suns: Vec<Sun>,
     /// The surfaces that emit light as areas.
     pub emitters: Vec<Emitter>,
     /// What worldspawn sets for the whole map.
     pub world: WorldSettings,
-    /// The surfaces that block light.
+    /// The surfaces that block all light.
     pub tracer: Tracer,
     /// Index in `surfaces` of each polygon of `tracer`.
     pub tracer_surface: Vec<u32>,
+    /// What blocks some light, or changes it.
+    pub filters: Filters,
     /// Solid space of the brush models.
     pub solid: Solid,
     /// What the map asks for that is not simulated, one sentence each, sorted.

@@ -10,23 +10,16 @@ use std::collections::BTreeSet;
 pub enum ShadowClass {
     /// The world: all rays.
     World,
-    /// `_switchableshadow`: rays of style 0 move to another style. Not simulated yet.
+    /// `_switchableshadow`: rays of style 0 move to another style.
     Switchable,
     /// `_shadow`: all rays.
     Shadow,
-    /// `_shadowself`: rays to the same model. Not simulated yet.
+    /// `_shadowself`: rays to the same model.
     ShadowSelf,
-    /// `_shadowworldonly`: rays to the world. Not simulated yet.
+    /// `_shadowworldonly`: rays to the world.
     ShadowWorldOnly,
     /// None.
     None,
-}
-
-impl ShadowClass {
-    /// Whether the model blocks light as far as that is simulated.
-    pub fn casts(self) -> bool {
-        matches!(self, Self::World | Self::Shadow)
-    }
 }
 
 /// A brush model; index 0 is the world.
@@ -36,6 +29,12 @@ pub struct Model {
     pub offset: Vec3,
     /// Which rays its faces block.
     pub shadow: ShadowClass,
+    /// Rays to other models pass, whatever the class (`_shadowself`).
+    pub shadow_self: bool,
+    /// Rays to anything but the world pass, whatever the class (`_shadowworldonly`).
+    pub shadow_world_only: bool,
+    /// Light style of its switchable shadow, 0 without.
+    pub switch_style: u16,
     /// Opacity, 0 to 1, if the entity gives one.
     pub alpha: Option<f32>,
     /// Channels of light that its faces receive.
@@ -53,6 +52,9 @@ impl Model {
         Self {
             offset: Vec3::ZERO,
             shadow: ShadowClass::World,
+            shadow_self: false,
+            shadow_world_only: false,
+            switch_style: 0,
             alpha: None,
             channel_mask: 1,
             light_ignore: false,
@@ -61,21 +63,24 @@ impl Model {
         }
     }
 
-    /// Whether faces of the model go into the ray tracer.
+    /// Whether the model casts a shadow of any kind. One in other channels always does.
     pub fn casts(&self) -> bool {
-        self.shadow.casts() && self.channel_mask == 1
+        self.shadow != ShadowClass::None || self.channel_mask != 1
+    }
+
+    /// Style that light of style 0 moves to when it crosses the model, if the shadow is switchable.
+    pub(crate) fn switchable(&self) -> Option<u16> {
+        (self.shadow == ShadowClass::Switchable).then_some(self.switch_style)
     }
 }
 
 /// Keys of brush models whose effect is not simulated yet.
-const NOT_SIMULATED: [(&str, &str); 7] = [
+const NOT_SIMULATED: [(&str, &str); 5] = [
     ("minlight", "minimum light"),
     ("dirt", "dirt"),
     ("phong", "smoothed normals"),
     ("phong_angle", "smoothed normals"),
     ("autominlight", "automatic minimum light"),
-    ("shadowself", "shadows on the model itself"),
-    ("shadowworldonly", "shadows on the world only"),
 ];
 
 /// The models of a map, from the entities that own them.
@@ -85,10 +90,12 @@ pub(crate) fn read(
     warnings: &mut Vec<String>,
     not_simulated: &mut BTreeSet<String>,
 ) -> Vec<Model> {
-    let switched: Vec<&str> = entities
+    // Lights that only switch the shadow of the models that they name.
+    let switches: Vec<(&str, u16)> = entities
         .iter()
-        .filter_map(|e| e.setting("switchableshadow_target"))
-        .filter(|t| !t.is_empty())
+        .filter(|e| e.classname().starts_with("light"))
+        .filter_map(|e| Some((e.setting("switchableshadow_target")?, style(e, "style"))))
+        .filter(|(target, _)| !target.is_empty())
         .collect();
     let mut owners = vec![None; bsp.models.len()];
     for entity in entities {
@@ -110,29 +117,13 @@ pub(crate) fn read(
                             .insert(format!("brush model _{key}: {effect} not simulated yet"));
                     }
                 }
-                brush_model(entity, &switched)
+                brush_model(entity, &switches)
             }
             None => {
                 orphans.push(format!("*{index}"));
                 Model { shadow: ShadowClass::None, ..Model::world() }
             }
         });
-        let model = &models[index];
-        if model.shadow == ShadowClass::Switchable {
-            not_simulated.insert(
-                "brush model _switchableshadow: switchable shadows not simulated yet".into(),
-            );
-        }
-        if model.channel_mask != 1 {
-            not_simulated.insert(
-                "brush model _object_channel_mask: shadows in other channels not simulated yet"
-                    .into(),
-            );
-        }
-        if model.casts() && bsp.models[index].face_count == 0 {
-            not_simulated
-                .insert("brush model without faces: its shadow is not simulated yet".into());
-        }
     }
     if !orphans.is_empty() {
         warnings.push(format!(
@@ -143,15 +134,22 @@ pub(crate) fn read(
     models
 }
 
-fn brush_model(entity: &Entity, switched: &[&str]) -> Model {
+/// A light style in a key, 0 without.
+fn style(entity: &Entity, name: &str) -> u16 {
+    entity.setting(name).map_or(0, |s| keys::integer(s).clamp(0, 65534) as u16)
+}
+
+fn brush_model(entity: &Entity, switches: &[(&str, u16)]) -> Model {
     let number = |name: &str| entity.setting(name).and_then(keys::number);
     let on = |name: &str| number(name).is_some_and(|v| v > 0.0);
     let name = entity.get("targetname").unwrap_or("");
-    let shadow = if on("switchableshadow") || switched.contains(&name) {
+    let switch = switches.iter().find(|(target, _)| *target == name);
+    let shadow_self = on("shadowself") || on("selfshadow");
+    let shadow = if on("switchableshadow") || switch.is_some() {
         ShadowClass::Switchable
     } else if on("shadow") {
         ShadowClass::Shadow
-    } else if on("shadowself") || on("selfshadow") {
+    } else if shadow_self {
         ShadowClass::ShadowSelf
     } else if on("shadowworldonly") {
         ShadowClass::ShadowWorldOnly
@@ -161,6 +159,9 @@ fn brush_model(entity: &Entity, switched: &[&str]) -> Model {
     Model {
         offset: entity.setting("origin").and_then(keys::vector).unwrap_or(Vec3::ZERO),
         shadow,
+        shadow_self,
+        shadow_world_only: on("shadowworldonly"),
+        switch_style: switch.map_or_else(|| style(entity, "switchshadstyle"), |s| s.1),
         alpha: number("alpha").map(|a| a.clamp(0.0, 1.0)),
         channel_mask: entity.setting("object_channel_mask").map_or(1, keys::integer),
         light_ignore: entity.setting("lightignore").is_some_and(keys::boolean),

@@ -47,12 +47,7 @@ impl Default for WorldSettings {
 }
 
 /// Keys that ask for effects not simulated yet, with the effect.
-const NOT_SIMULATED: [(&str, &str); 12] = [
-    ("sunlight", "sun light"),
-    ("sun_light", "sun light"),
-    ("sun2", "sun light"),
-    ("sunlight2", "sky light"),
-    ("sunlight3", "sky light"),
+const NOT_SIMULATED: [(&str, &str); 7] = [
     ("light", "minimum light"),
     ("minlight", "minimum light"),
     ("dirt", "dirt"),

@@ -1,0 +1,56 @@
+//! Light of suns and sky domes (contract section 5.3).
+
+use super::{StyleLight, add};
+use crate::scene::exact::{brightness, dot};
+use crate::scene::{Arrival, LightRays, Sample, Scene, Sun, Surface};
+use glam::Vec3;
+
+/// Faces turned away from a sun by this much, as a cosine, are still lit by it.
+const BEHIND: f32 = -0.01;
+
+/// Colour that arrives on a surface with unit normal `normal`, in light units, shadows aside.
+pub(crate) fn unshadowed(sun: &Sun, normal: Vec3, two_sided: bool) -> Vec3 {
+    let cosine = dot(sun.to_sun, normal);
+    let cosine = if two_sided { cosine.abs() } else { cosine.max(0.0) };
+    let angle = (1.0 - sun.angle_scale) + sun.angle_scale * cosine;
+    sun.colour * (angle * sun.brightness / 255.0)
+}
+
+/// What arrives at a point of a sun's light of `colour`: none unless the ray towards it meets sky
+/// first, and of the right texture.
+pub(crate) fn seen(
+    scene: &Scene,
+    sun: &Sun,
+    position: Vec3,
+    colour: Vec3,
+    rays: &mut LightRays<'_>,
+) -> Option<Arrival> {
+    let (sky, arrival) = rays.from_sky(position, sun.to_sun, colour)?;
+    let texture = scene.surfaces[sky as usize].texture;
+    sun.sky_texture.is_none_or(|t| texture == Some(t)).then_some(arrival)
+}
+
+/// Adds what one sun sends to the samples of a surface.
+pub(crate) fn light_surface(
+    scene: &Scene,
+    sun: &Sun,
+    surface: &Surface,
+    samples: &[Sample],
+    rays: &mut LightRays<'_>,
+    styles: &mut Vec<StyleLight>,
+) {
+    let curved = surface.phong_angle != 0.0;
+    let behind = dot(sun.to_sun, surface.normal) < BEHIND;
+    if behind && !curved && !surface.two_sided || surface.channel_mask & 1 == 0 {
+        return;
+    }
+    for (i, sample) in samples.iter().enumerate().filter(|(_, s)| !s.occluded) {
+        let colour = unshadowed(sun, sample.normal, surface.two_sided);
+        if brightness(colour).abs() <= scene.world.gate {
+            continue;
+        }
+        if let Some(arrival) = seen(scene, sun, sample.position, colour, rays) {
+            add(styles, arrival.style_of(sun.style), samples.len(), i, arrival.colour);
+        }
+    }
+}
