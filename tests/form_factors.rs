@@ -75,7 +75,13 @@ fn point_error(cells: u32, upright: bool) -> f64 {
     for k in 0..64 {
         let at = DVec3::new(f64::from(k % 8) * 0.23, f64::from(k / 8) * 0.19, 0.0);
         let view = View::turned((at - middle).as_vec3(), Vec3::Z, k as u64);
-        let got: f64 = gatherer.row(&view).iter().map(|r| r.1).sum();
+        let got: f64 = {
+            gatherer.look(&view);
+            gatherer.row()
+        }
+        .iter()
+        .map(|r| r.1)
+        .sum();
         let exact = if upright {
             // At distance 1: everything over the distance to the wall.
             let d = 2.0 - at.x;

@@ -2,7 +2,7 @@
 
 use qrad::bsp::Bsp;
 use qrad::light::{DirectLight, StyleLight, direct};
-use qrad::lightmap::{Gather, indirect};
+use qrad::lightmap::{Gather, Sources, indirect};
 use qrad::patch::MapPatches;
 use qrad::radiosity::bounce::{Bounced, bounce};
 use qrad::radiosity::solve::Limits;
@@ -54,7 +54,8 @@ impl Prepared {
         let limits = Limits { passes: settings.bounces, residual: settings.residual };
         let bounced = bounce(patches, transfers, &direct, &emission, limits, |_| {});
         let how = (gather, settings.hemicube);
-        let (indirect, _) = indirect(scene, patches, samples, &bounced.styles, how, |_| {});
+        let sources = Sources { scene, patches, transfers, light: &bounced.styles };
+        let (indirect, _) = indirect(sources, samples, how, |_| {});
         Lit { direct, bounced, indirect }
     }
 }
