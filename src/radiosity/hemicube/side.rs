@@ -4,7 +4,9 @@
 //! is three numbers there and the nearest one has the largest. Each tile knows the smallest nearness
 //! in it: what lies beyond that everywhere cannot be seen (masked occlusion culling).
 
+use bytemuck::{cast, cast_slice};
 use std::ops::Range;
+use wide::{CmpGt, CmpLt, f32x8, i32x8};
 
 /// Cells on the edge of a tile.
 const TILE: usize = 8;
@@ -151,29 +153,22 @@ impl Side {
     ) -> bool {
         let from = ys.start.max(corner[1]) - corner[1];
         let to = ys.end.min(corner[1] + TILE) - corner[1];
-        let (left, right) = (xs.start as i32 - corner[0] as i32, xs.end as i32 - corner[0] as i32);
+        let inside = columns_within(corner[0], xs.start, xs.end);
         let cells = &self.nearness[tile * CELLS + from * TILE..tile * CELLS + to * TILE];
-        let mut open = [false; TILE];
-        for row in cells.chunks_exact(TILE) {
-            for lane in 0..TILE {
-                let x = lane as i32;
-                open[lane] |= (x >= left) & (x < right) & (row[lane] < nearness);
-            }
-        }
-        !open.contains(&true)
+        let open = cells
+            .chunks_exact(TILE)
+            .fold(f32x8::ZERO, |open, row| open | eight(row).cmp_lt(f32x8::splat(nearness)));
+        !(open & inside).any()
     }
 
     fn farthest(&mut self, tile: usize) -> f32 {
         if self.touched[tile] {
             self.touched[tile] = false;
             let cells = &self.nearness[tile * CELLS..][..CELLS];
-            let mut lanes = [f32::INFINITY; TILE];
-            for row in cells.chunks_exact(TILE) {
-                for (lane, n) in lanes.iter_mut().zip(row) {
-                    *lane = lane.min(*n);
-                }
-            }
-            self.farthest[tile] = lanes.into_iter().fold(f32::INFINITY, f32::min);
+            let least = cells
+                .chunks_exact(TILE)
+                .fold(f32x8::splat(f32::INFINITY), |least, row| least.fast_min(eight(row)));
+            self.farthest[tile] = least.to_array().into_iter().fold(f32::INFINITY, f32::min);
         }
         self.farthest[tile]
     }
@@ -244,47 +239,45 @@ impl Side {
             if self.farthest(tile) >= nearness.largest_in_tile(tx, y0 / TILE) {
                 continue;
             }
+            let x = f32x8::splat(x0 as f32) + CENTRES;
+            let along_row = f32x8::splat(nearness.dx) * x;
             let mut changed = false;
             for (y, &(from, to)) in (y0..y1).zip(&columns) {
                 if to <= x0 || from >= x0 + TILE as i32 {
                     continue;
                 }
-                let cell = tile * CELLS + y % TILE * TILE;
-                let at_row = nearness.base + nearness.dy * (y as f32 + 0.5);
-                let near: &mut [f32; TILE] =
-                    (&mut self.nearness[cell..cell + TILE]).try_into().expect("eight cells");
-                let items: &mut [u32; TILE] =
-                    (&mut self.item[cell..cell + TILE]).try_into().expect("eight cells");
-                changed |= fill_row(near, items, x0, from, to, at_row, nearness.dx, item);
+                let at = tile * CELLS + y % TILE * TILE;
+                let start = nearness.base + nearness.dy * (y as f32 + 0.5);
+                let here = f32x8::splat(start) + along_row;
+                let near = eight(&self.nearness[at..at + TILE]);
+                let inside = columns_within(x0 as usize, from as usize, to as usize);
+                let take = inside & here.cmp_gt(near);
+                if take.any() {
+                    let store = &mut self.nearness[at..at + TILE];
+                    store.copy_from_slice(&take.blend(here, near).to_array());
+                    let items = &mut self.item[at..at + TILE];
+                    let old = i32x8::from(<[i32; TILE]>::try_from(cast_slice(items)).expect("8"));
+                    let new = cast::<f32x8, i32x8>(take).blend(i32x8::splat(item as i32), old);
+                    items.copy_from_slice(cast_slice(&new.to_array()));
+                    changed = true;
+                }
             }
             self.touched[tile] |= changed;
         }
     }
 }
 
-/// Draws into eight cells; written without branches so that it becomes vector code.
-#[allow(clippy::too_many_arguments)]
-#[inline(always)]
-fn fill_row(
-    near: &mut [f32; TILE],
-    items: &mut [u32; TILE],
-    x0: i32,
-    from: i32,
-    to: i32,
-    at_row: f32,
-    dx: f32,
-    item: u32,
-) -> bool {
-    let mut changed = 0u32;
-    for lane in 0..TILE {
-        let x = x0 + lane as i32;
-        let n = at_row + dx * (x as f32 + 0.5);
-        let take = (x >= from) & (x < to) & (n > near[lane]);
-        near[lane] = if take { n } else { near[lane] };
-        items[lane] = if take { item } else { items[lane] };
-        changed |= u32::from(take);
-    }
-    changed != 0
+/// Centres of a tile's columns.
+const CENTRES: f32x8 = f32x8::new([0.5, 1.5, 2.5, 3.5, 4.5, 5.5, 6.5, 7.5]);
+
+/// Mask of the columns `from..to` in the tile whose first column is `x0`.
+fn columns_within(x0: usize, from: usize, to: usize) -> f32x8 {
+    let relative = |x: usize| f32x8::splat((x as i32 - x0 as i32) as f32);
+    CENTRES.cmp_gt(relative(from)) & CENTRES.cmp_lt(relative(to))
+}
+
+fn eight(row: &[f32]) -> f32x8 {
+    f32x8::from(<[f32; TILE]>::try_from(row).expect("rows of a tile have eight cells"))
 }
 
 #[cfg(test)]
