@@ -58,11 +58,10 @@ pub fn direct(scene: &Scene, surface: usize, samples: &[Sample]) -> DirectLight 
 pub fn at(scene: &Scene, position: Vec3, normal: Vec3) -> Vec<(u16, Irradiance)> {
     let mut rays = LightRays::new(scene, None);
     let mut styles: Vec<(u16, Irradiance)> = Vec::new();
-    let mut add =
-        |style: u16, colour: Vec3| match styles.iter_mut().find(|s| s.0 == style) {
-            Some(style) => style.1 += Irradiance(colour),
-            None => styles.push((style, Irradiance(colour))),
-        };
+    let mut add = |style: u16, colour: Vec3| match styles.iter_mut().find(|s| s.0 == style) {
+        Some(style) => style.1 += Irradiance(colour),
+        None => styles.push((style, Irradiance(colour))),
+    };
     for light in &scene.lights {
         let Some(colour) = point::unshadowed(light, scene.world.dist, position, normal, false)
         else {

@@ -7,12 +7,12 @@ use super::materials::Materials;
 use super::models::{self, Model, ShadowClass};
 use super::neighbours::Neighbours;
 use super::overrides;
-use super::shape::{AREA_EPS, LuxelMap, Shape, area_and_centre};
 use super::random::Random;
+use super::shape::{AREA_EPS, LuxelMap, Shape, area_and_centre};
 use super::sidecar::{self, Sidecar, TexInfoKeys};
 use super::solid::Solid;
-use super::surface::{LuxelGrid, Role, Surface};
 use super::suns;
+use super::surface::{LuxelGrid, Role, Surface};
 use super::surface_lights::{self, Faces};
 use super::tracer::Tracer;
 use super::world::WorldSettings;
@@ -65,7 +65,8 @@ impl Scene {
         let mut entities = parse_entities(&bsp.entities)?;
         normalise(&mut entities)?;
         let nothing = Entity::default();
-        let worldspawn = overrides::apply(entities.first().unwrap_or(&nothing), &settings.overrides);
+        let worldspawn =
+            overrides::apply(entities.first().unwrap_or(&nothing), &settings.overrides);
         let world = WorldSettings::read(&worldspawn, &mut warnings, &mut not_simulated);
         let keys = sidecar::texinfo_keys(
             sidecar.texinfo,
@@ -88,7 +89,14 @@ impl Scene {
         materials
             .warn(surfaces.iter().filter(|s| s.reflects).filter_map(|s| s.texture), &mut warnings);
 
-        let mut drafts = entity_lights::read(&entities, bsp, &world, &mut warnings, &mut not_simulated);
+        let mut drafts = entity_lights::read(
+            &entities,
+            bsp,
+            &settings.textures,
+            &world,
+            &mut warnings,
+            &mut not_simulated,
+        );
         let colours: Vec<Vec3> = surfaces.iter().map(|s| materials.colour(s.texture)).collect();
         let light_faces = Faces {
             bsp,

@@ -162,9 +162,8 @@ impl Builder<'_> {
             .ok()
             .and_then(|i| self.bsp.texinfos.get(i).copied());
         let wants_texture = fence || surface.opacity < 1.0;
-        let picture = texinfo
-            .filter(|_| wants_texture)
-            .and_then(|texinfo| self.picture(&texinfo, surface));
+        let picture =
+            texinfo.filter(|_| wants_texture).and_then(|texinfo| self.picture(&texinfo, surface));
         self.polygons.push(polygon);
         self.casters.push(Caster {
             model: surface.model.unwrap_or(0),

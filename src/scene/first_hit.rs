@@ -133,7 +133,8 @@ mod tests {
     #[test]
     fn the_nearest_polygon_is_hit_even_through_seams() {
         let walls = walls();
-        let at = |y: f32, x: f32| hit(&walls, [x, y, 1.0], Vec3::X).map(|h| (h.polygon, h.distance));
+        let at =
+            |y: f32, x: f32| hit(&walls, [x, y, 1.0], Vec3::X).map(|h| (h.polygon, h.distance));
         assert_eq!(at(3.0, -4.0), Some((3, 4.0)));
         assert_eq!(at(-3.0, -4.0), Some((2, 4.0)));
         assert_eq!(at(9.0, -4.0), Some((1, 20.0)), "beside the near wall");

@@ -31,11 +31,8 @@ pub(crate) fn apply(worldspawn: &Entity, overrides: &[(String, String)]) -> Enti
     let mut entity = worldspawn.clone();
     for (key, value) in overrides {
         let name = main_name(key);
-        let old: Vec<String> = entity
-            .pairs()
-            .map(|(k, _)| k.to_owned())
-            .filter(|k| main_name(k) == name)
-            .collect();
+        let old: Vec<String> =
+            entity.pairs().map(|(k, _)| k.to_owned()).filter(|k| main_name(k) == name).collect();
         for key in old {
             entity.remove(&key);
         }

@@ -84,13 +84,17 @@ pub(crate) fn make(
     for source in [sky.sun(&["sun_light", "sunlight"], "sunlight"), sky.sun(&["sun2"], "sun2")] {
         add_sun(&mut suns, &source, samples, random);
     }
-    let upper = sky.light(&["sunlight2"], &["sunlight_color2", "sunlight2_color"], "sunlight2_dirt");
-    let lower = sky.light(&["sunlight3"], &["sunlight_color3", "sunlight3_color"], "sunlight2_dirt");
+    let upper =
+        sky.light(&["sunlight2"], &["sunlight_color2", "sunlight2_color"], "sunlight2_dirt");
+    let lower =
+        sky.light(&["sunlight3"], &["sunlight_color3", "sunlight3_color"], "sunlight2_dirt");
     add_dome(&mut suns, Some(&upper), Some(&lower), samples);
     for source in entities {
         match source.kind {
             SkyLight::Sun => {}
-            SkyLight::Dome { upper: true } => add_dome(&mut suns, Some(&source.light), None, samples),
+            SkyLight::Dome { upper: true } => {
+                add_dome(&mut suns, Some(&source.light), None, samples)
+            }
             SkyLight::Dome { upper: false } => {
                 add_dome(&mut suns, None, Some(&source.light), samples);
             }
@@ -222,7 +226,9 @@ mod tests {
     #[test]
     fn mangles_may_be_short_and_have_aliases() {
         let down = 50_f32.to_radians();
-        for keys in ["_sun_mangle \"0 -50\"", "sunlight_mangle \"0 -50 9\"", "_sun_angle \"0 -50 0\""] {
+        for keys in
+            ["_sun_mangle \"0 -50\"", "sunlight_mangle \"0 -50 9\"", "_sun_angle \"0 -50 0\""]
+        {
             let suns = suns(&format!("_sunlight 1 {keys} _sun2 2"));
             assert!((suns[0].to_sun - Vec3::new(-down.cos(), 0.0, down.sin())).length() < 1e-6);
             assert_eq!(suns[1].to_sun, Vec3::Z);

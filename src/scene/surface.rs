@@ -1,7 +1,7 @@
 //! One surface a BSP face: its polygon, material and luxel grid.
 
-use crate::photometry::Reflectance;
 use super::tracer::Polygon;
+use crate::photometry::Reflectance;
 use glam::{Vec2, Vec3, Vec4};
 
 /// What a surface does to light.
