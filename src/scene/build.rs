@@ -112,7 +112,7 @@ impl Scene {
         let mut random = Random::new();
         let (lights, sky) =
             entity_lights::finish(drafts, &entities, &world, &solid, &mut random, &mut warnings)?;
-        let suns = suns::make(&worldspawn, &world, &sky, &mut random);
+        let suns = suns::make(&worldspawn, &world, &sky, &mut random)?;
 
         let (tracer, tracer_surface) = build_tracer(&surfaces);
         let filters = Filters::new(bsp, &surfaces, &names, &models, settings, &mut warnings);
