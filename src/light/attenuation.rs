@@ -51,6 +51,7 @@ mod tests {
             bleed: false,
             style: 0,
             spot: None,
+            projection: None,
             channel_mask: 1,
             shadow_mask: 1,
             entity: 0,

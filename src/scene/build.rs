@@ -89,8 +89,14 @@ impl Scene {
         materials
             .warn(surfaces.iter().filter(|s| s.reflects).filter_map(|s| s.texture), &mut warnings);
 
-        let mut drafts =
-            entity_lights::read(&entities, bsp, &world, &mut warnings, &mut not_simulated);
+        let mut drafts = entity_lights::read(
+            &entities,
+            bsp,
+            &settings.textures,
+            &world,
+            &mut warnings,
+            &mut not_simulated,
+        );
         let colours: Vec<Vec3> = surfaces.iter().map(|s| materials.colour(s.texture)).collect();
         let light_faces = Faces {
             bsp,
@@ -106,7 +112,7 @@ impl Scene {
         let mut random = Random::new();
         let (lights, sky) =
             entity_lights::finish(drafts, &entities, &world, &solid, &mut random, &mut warnings)?;
-        let suns = suns::make(&worldspawn, &world, &sky, &mut random);
+        let suns = suns::make(&worldspawn, &world, &sky, &mut random)?;
 
         let (tracer, tracer_surface) = build_tracer(&surfaces);
         let filters = Filters::new(bsp, &surfaces, &names, &models, settings, &mut warnings);

@@ -4,14 +4,16 @@
 use super::exact::{length, normalize, radians};
 use super::keys;
 use super::lights::{Attenuation, Light, Spot};
+use super::projection::Projection;
 use super::random::Random;
 use super::solid::Solid;
 use super::suns::{self, SkyLight, Source, Sun};
 use super::world::WorldSettings;
-use crate::bsp::{Bsp, Entity};
+use crate::bsp::{Bsp, Entity, MipTex};
 use crate::{Error, Result};
 use glam::Vec3;
 use std::collections::BTreeSet;
+use std::sync::Arc;
 
 /// The most lights that a scene may have, copies included.
 const LIGHT_LIMIT: usize = 1 << 20;
@@ -89,13 +91,15 @@ fn is_light(entity: &Entity) -> bool {
 pub(crate) fn read(
     entities: &[Entity],
     bsp: &Bsp,
+    textures: &[MipTex],
     world: &WorldSettings,
     warnings: &mut Vec<String>,
     not_simulated: &mut BTreeSet<String>,
 ) -> Vec<Draft> {
     let mut drafts = Vec::new();
     for (index, entity) in entities.iter().enumerate().filter(|(_, e)| is_light(e)) {
-        let mut reader = Reader { entity, bsp, place: String::new(), warnings, not_simulated };
+        let mut reader =
+            Reader { entity, bsp, textures, place: String::new(), warnings, not_simulated };
         let origin = entity.setting("origin").and_then(keys::vector).unwrap_or(Vec3::ZERO);
         reader.place = format!("light at {} {} {}", origin.x, origin.y, origin.z);
         drafts.push(reader.read(index as u32, origin, world));
@@ -107,6 +111,7 @@ pub(crate) fn read(
 struct Reader<'a> {
     entity: &'a Entity,
     bsp: &'a Bsp,
+    textures: &'a [MipTex],
     place: String,
     warnings: &'a mut Vec<String>,
     not_simulated: &'a mut BTreeSet<String>,
@@ -152,7 +157,7 @@ impl Reader<'_> {
             brightness /= samples as f32;
         }
         let attenuation = self.attenuation(delay);
-        if attenuation.is_none() || self.is_out_of_scope() {
+        if attenuation.is_none() || self.is_off() {
             brightness = 0.0;
         }
         let channel_mask = self.entity.setting("light_channel_mask").map_or(1, keys::integer);
@@ -180,6 +185,7 @@ impl Reader<'_> {
                     outer: 0.0,
                     inner: 0.0,
                 }),
+                projection: self.projection(),
                 channel_mask,
                 shadow_mask: self
                     .entity
@@ -241,13 +247,19 @@ impl Reader<'_> {
         })
     }
 
-    /// Whether the light is off, or of a kind that is not simulated.
-    fn is_out_of_scope(&mut self) -> bool {
-        if self.entity.setting("project_texture").is_some_and(|t| !t.is_empty()) {
-            self.not_simulated
-                .insert("light _project_texture: projected textures not simulated yet".into());
-            return true;
+    /// The picture that the light projects.
+    fn projection(&mut self) -> Option<Arc<Projection>> {
+        match Projection::read(self.entity, self.bsp, self.textures) {
+            Ok(picture) => picture.map(Arc::new),
+            Err(problem) => {
+                self.warn(&format!("{problem}; it shines without a picture"));
+                None
+            }
         }
+    }
+
+    /// Whether the light does not shine by itself.
+    fn is_off(&self) -> bool {
         // Such a light only names the shadow that its style switches.
         self.flag("nostaticlight")
             || self.entity.setting("switchableshadow_target").is_some_and(|t| !t.is_empty())
@@ -377,10 +389,10 @@ pub(crate) fn check_light_count(count: usize) -> Result<()> {
         return Ok(());
     }
     Err(Error::Limit {
-        what: "number of lights, with the copies that _surface and _samples make".into(),
+        what: "number of lights, with the copies that _surface, _samples and skies make".into(),
         value: count as u64,
         limit: LIGHT_LIMIT as u64,
-        advice: "lower _samples or raise worldspawn _surflight_subdivide",
+        advice: "lower _samples or _sunsamples, or raise worldspawn _surflight_subdivide",
     })
 }
 

@@ -4,7 +4,7 @@ use crate::bsp::{Bsp, MipTex, PALETTE, TRANSPARENT};
 use glam::Vec3;
 
 /// The pixels of a texture and how texture coordinates address them.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Texels {
     width: u32,
     height: u32,

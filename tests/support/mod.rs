@@ -3,6 +3,7 @@
 #![allow(dead_code)]
 
 pub mod lit_map;
+pub mod lit_room;
 pub mod map_builder;
 pub mod program;
 pub mod quads;
