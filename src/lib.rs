@@ -91,7 +91,8 @@ pub fn light_bsp(
     let bounced = stage::bounce(&scene, &patches, &transfers, &direct, settings, progress);
     let indirect = stage::gather(&scene, &patches, &samples, &bounced, settings, progress);
     let counts = Counts::new(&scene, &direct, &patches, &transfers, &bounced, &indirect);
-    let faces = lightmap::finish_faces(&scene, &samples, direct, indirect.maps);
+    let probes = stage::probes(&scene, &patches, &samples, &bounced, settings);
+    let faces = lightmap::finish_faces(&scene, &samples, direct, indirect.maps, &probes);
     let packed = lightmap::pack(&faces)?;
     bsp.set_lighting(packed.mono, &packed.faces);
     let rgb = packed.coloured.then_some(packed.rgb);

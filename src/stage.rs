@@ -1,6 +1,6 @@
 //! The stages of a map run: each calls one room, over all faces, and shows its progress.
 
-use crate::light::{self, DirectLight, StyleLight};
+use crate::light::{self, DirectLight, Probe, StyleLight};
 use crate::lightmap;
 use crate::patch::MapPatches;
 use crate::progress::Progress;
@@ -108,4 +108,15 @@ pub(crate) fn gather(
     let (maps, hemicubes) =
         lightmap::indirect(scene, patches, samples, &bounced.styles, how, |n| stage.advance(n));
     Gathered { maps, hemicubes }
+}
+
+/// Light in the middle of brush models, for automatic minimum light.
+pub(crate) fn probes(
+    scene: &Scene,
+    patches: &MapPatches,
+    samples: &[Vec<Sample>],
+    bounced: &Bounced,
+    settings: &Settings,
+) -> Vec<Option<Probe>> {
+    lightmap::probes(scene, patches, samples, &bounced.styles, settings.hemicube)
 }

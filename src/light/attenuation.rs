@@ -23,7 +23,7 @@ pub(crate) fn value(light: &Light, dist: f32, d: f32) -> f32 {
         Attenuation::Linear => (l + v).min(0.0),
         Attenuation::Inverse => l / (v / FULL_AT),
         Attenuation::InverseSquare => l / (v * v / (FULL_AT * FULL_AT)),
-        Attenuation::Infinite => l,
+        Attenuation::Infinite | Attenuation::LocalMinimum => l,
         Attenuation::InverseSquareOffset => {
             let w = v + FULL_AT;
             l / (w * w / (FULL_AT * FULL_AT))
@@ -52,6 +52,7 @@ mod tests {
             style: 0,
             spot: None,
             channel_mask: 1,
+            dirt: crate::scene::DirtKeys::default(),
             entity: 0,
         }
     }

@@ -63,6 +63,9 @@ pub fn indirect(
                 };
                 let mut sums: Vec<DVec3> = Vec::new();
                 for (luxel, sample) in samples.iter().enumerate().filter(|(_, s)| !s.occluded) {
+                    // Blended normals of curved surfaces are shorter than 1.
+                    let normal = sample.normal.normalize_or(scene.surfaces[face].normal);
+                    let sample = &Sample { normal, ..*sample };
                     let found = gather == Gather::Interpolate
                         && interpolator.at(shadows, sample, &near, light, &mut sums);
                     if !found {

@@ -1,14 +1,19 @@
 //! What light needs of a map: surfaces with materials, the ray tracer, the lights and the luxels.
 
 mod build;
+mod dirt;
 mod entity_lights;
 pub(crate) mod exact;
+mod first_hit;
 mod keys;
 pub mod lights;
 pub mod luxels;
 mod materials;
+mod minlight;
 mod models;
 mod neighbours;
+mod phong;
+mod radiosity_lights;
 mod random;
 mod shadow;
 mod shape;
@@ -22,9 +27,12 @@ mod wander;
 mod world;
 
 pub use build::SceneSettings;
+pub use dirt::{DirtKeys, DirtSettings};
 pub use lights::Light;
 pub use luxels::Sample;
-pub use models::{Model, ShadowClass};
+pub use minlight::{Glow, Minlight};
+pub use models::{AutoMinlight, Model, ShadowClass};
+pub use radiosity_lights::{EmissiveQuality, RadiosityLight, SurflightSettings};
 pub use shadow::ShadowRays;
 pub use sidecar::Sidecar;
 pub use solid::Solid;
@@ -42,6 +50,10 @@ pub struct Scene {
     pub models: Vec<Model>,
     /// The lights that shine, copies included, in the order in which they are added up.
     pub lights: Vec<Light>,
+    /// Lights that keep the places they see from being darker than themselves.
+    pub local_minlights: Vec<Light>,
+    /// The surfaces that emit light from points over them.
+    pub radiosity_lights: Vec<RadiosityLight>,
     /// The surfaces that emit light as areas.
     pub emitters: Vec<Emitter>,
     /// What worldspawn sets for the whole map.
@@ -58,5 +70,6 @@ pub struct Scene {
     pub warnings: Vec<String>,
     shapes: Vec<shape::Shape>,
     neighbours: neighbours::Neighbours,
+    smoothing: phong::Smoothing,
     luxel_maps: Vec<Option<shape::LuxelMap>>,
 }

@@ -12,24 +12,27 @@ use glam::{DVec3, Vec3};
 /// Barycentric distance to an edge, relative to the triangle, below which a ray meets the edge.
 const ON_EDGE: f64 = 1e-6;
 /// How far beside a ray its neighbours run, in world units.
-const BESIDE: f64 = 1.0 / 512.0;
+pub(super) const BESIDE: f64 = 1.0 / 512.0;
 /// By how much boxes are widened, in world units: more than the rounding of their tests.
 const BOX_MARGIN: f32 = 1.0 / 64.0;
 
 /// Traces shadow rays and remembers what blocked the last one, as the next is likely to meet it too.
 /// What it remembers makes it faster but does not change an answer.
 pub struct ShadowRays<'a> {
-    tracer: &'a Tracer,
+    pub(super) tracer: &'a Tracer,
     last_blocker: Option<u32>,
+    pub(super) last_first: Option<u32>,
     stack: Vec<u32>,
+    /// Nodes to visit, and where the ray enters them.
+    pub(super) near_first: Vec<(f32, u32)>,
     /// Polygons that the last ray met at an edge.
     touched: Vec<u32>,
-    rays: u64,
+    pub(super) rays: u64,
 }
 
 /// How a ray meets a polygon.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-enum Contact {
+pub(super) enum Contact {
     None,
     Edge,
     Inside,
@@ -38,7 +41,15 @@ enum Contact {
 impl<'a> ShadowRays<'a> {
     /// A tracer of rays through `tracer`'s polygons.
     pub fn new(tracer: &'a Tracer) -> Self {
-        Self { tracer, last_blocker: None, stack: Vec::new(), touched: Vec::new(), rays: 0 }
+        Self {
+            tracer,
+            last_blocker: None,
+            last_first: None,
+            stack: Vec::new(),
+            near_first: Vec::new(),
+            touched: Vec::new(),
+            rays: 0,
+        }
     }
 
     /// Rays asked for so far.
@@ -52,7 +63,7 @@ impl<'a> ShadowRays<'a> {
         self.rays += 1;
         let (start, way) = (from.as_dvec3(), to.as_dvec3() - from.as_dvec3());
         if let Some(last) = self.last_blocker
-            && meet(self.corners(last), start, way) == Contact::Inside
+            && meet(self.corners(last), start, way).0 == Contact::Inside
         {
             return true;
         }
@@ -75,7 +86,7 @@ impl<'a> ShadowRays<'a> {
         blocked(a) && blocked(-a) && blocked(b) && blocked(-b)
     }
 
-    fn corners(&self, polygon: u32) -> &'a [Vec3] {
+    pub(super) fn corners(&self, polygon: u32) -> &'a [Vec3] {
         &self.tracer.polygons()[polygon as usize].vertices
     }
 
@@ -100,7 +111,7 @@ impl<'a> ShadowRays<'a> {
             }
             for slot in node.first..node.first + node.count {
                 let (corners, _, polygon) = self.tracer.polygon(slot);
-                let contact = meet(corners, start, way);
+                let (contact, _) = meet(corners, start, way);
                 if contact == Contact::Inside {
                     self.last_blocker = Some(polygon);
                     return contact;
@@ -116,33 +127,40 @@ impl<'a> ShadowRays<'a> {
 }
 
 /// A ray prepared for tests against boxes.
-struct Slabs {
+pub(super) struct Slabs {
     start: Vec3,
     inverse: Vec3,
 }
 
 impl Slabs {
-    fn new(start: Vec3, way: Vec3) -> Self {
+    pub fn new(start: Vec3, way: Vec3) -> Self {
         // A component of zero gets a huge finite inverse, so that no product is 0 times infinity.
         let inverse = way.to_array().map(|d| if d.abs() < 1e-30 { 1e30 } else { 1.0 / d });
         Self { start, inverse: Vec3::from(inverse) }
     }
 
     fn meet(&self, min: Vec3, max: Vec3) -> bool {
+        self.entry(min, max) <= 1.0
+    }
+
+    /// Where the ray enters a box, in lengths of its way; infinite if it misses the box or ends
+    /// before it.
+    pub fn entry(&self, min: Vec3, max: Vec3) -> f32 {
         let margin = Vec3::splat(BOX_MARGIN);
         let a = (min - margin - self.start) * self.inverse;
         let b = (max + margin - self.start) * self.inverse;
-        a.min(b).max_element().max(0.0) <= a.max(b).min_element().min(1.0)
+        let entry = a.min(b).max_element().max(0.0);
+        if entry <= a.max(b).min_element().min(1.0) { entry } else { f32::INFINITY }
     }
 }
 
 /// How the ray `start + t way`, 0 < t <= 1, meets the fan of triangles around a polygon's first
 /// corner. Möller and Trumbore, "Fast, minimum storage ray/triangle intersection" (1997), both
-/// sides, in double precision so that whole-number geometry is exact.
-fn meet(v: &[Vec3], start: DVec3, way: DVec3) -> Contact {
+/// sides, in double precision so that whole-number geometry is exact. The number is t.
+pub(super) fn meet(v: &[Vec3], start: DVec3, way: DVec3) -> (Contact, f64) {
     let corner = v[0].as_dvec3();
     let from_corner = start - corner;
-    let mut best = Contact::None;
+    let mut best = (Contact::None, f64::INFINITY);
     let mut ab = v[1].as_dvec3() - corner;
     for c in &v[2..] {
         let ac = c.as_dvec3() - corner;
@@ -154,7 +172,10 @@ fn meet(v: &[Vec3], start: DVec3, way: DVec3) -> Contact {
         let (u, v, t) = (from_corner.dot(p) * sign, way.dot(q) * sign, ac.dot(q) * sign);
         let least = u.min(v).min(scale - u - v);
         if scale > 0.0 && t > 0.0 && t <= scale && least >= -ON_EDGE * scale {
-            best = best.max(if least > ON_EDGE * scale { Contact::Inside } else { Contact::Edge });
+            let contact = if least > ON_EDGE * scale { Contact::Inside } else { Contact::Edge };
+            if contact > best.0 {
+                best = (contact, t / scale);
+            }
         }
         ab = ac;
     }

@@ -15,7 +15,12 @@ const LEAST_DIRECTION: f32 = 1e-18;
 pub(crate) fn blocked(v: &[Vec3], from: Vec3, to: Vec3) -> bool {
     let way = to - from;
     let reach = length(way);
-    let direction = way / reach;
+    blocked_along(v, from, way / reach, reach)
+}
+
+/// Whether the reference counts the polygon `v` as met by a ray of length `reach` in the unit
+/// direction `direction`.
+pub(crate) fn blocked_along(v: &[Vec3], from: Vec3, direction: Vec3, reach: f32) -> bool {
     enters_box(v, from, direction, reach)
         && (2..v.len()).any(|i| meets_triangle([v[i - 1], v[i], v[0]], from, direction, reach))
 }

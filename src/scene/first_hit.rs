@@ -1,0 +1,162 @@
+//! The first polygon that a ray meets, with the care for edges that [`super::shadow`] describes: a
+//! ray through the seam of two polygons meets one of them.
+
+use super::shadow::{BESIDE, Contact, ShadowRays, Slabs, meet};
+use super::tie;
+use super::tracer::Hit;
+use glam::{DVec3, Vec3};
+
+/// Polygons met this much farther along a ray, relatively, are met at the same place.
+const SAME: f64 = 1.0 + 1e-9;
+
+/// Polygons that a ray meets: the nearest one that it meets inside, and those met before it at an
+/// edge.
+struct Meetings {
+    inside: Option<(f64, u32)>,
+    edges: Vec<(f64, u32)>,
+}
+
+impl ShadowRays<'_> {
+    /// The first polygon within `reach` of `from` in the unit direction `direction`, from either
+    /// side. One through `from` itself is not met.
+    pub fn first_hit(&mut self, from: Vec3, direction: Vec3, reach: f32) -> Option<Hit> {
+        self.rays += 1;
+        let (start, way) = (from.as_dvec3(), direction.as_dvec3() * f64::from(reach));
+        let mut meetings = self.meetings(start, way);
+        self.last_first = meetings.inside.map(|m| m.1);
+        meetings.edges.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        let mut beside = None;
+        let mut first = meetings.inside;
+        for (i, &(t, polygon)) in meetings.edges.iter().enumerate() {
+            let beyond = meetings.edges[i + 1..].iter().chain(&meetings.inside).map(|m| m.0);
+            let next = beyond.filter(|b| *b > t * SAME).fold(f64::INFINITY, f64::min);
+            if tie::blocked_along(self.corners(polygon), from, direction, reach)
+                || *beside.get_or_insert_with(|| self.beside(start, way)) < (t + next) * 0.5
+            {
+                first = Some((t, polygon));
+                break;
+            }
+        }
+        first.map(|(t, polygon)| Hit { polygon, distance: (t * f64::from(reach)) as f32 })
+    }
+
+    /// Where the last of the rays a hair beside a ray meets its first polygon.
+    fn beside(&mut self, start: DVec3, way: DVec3) -> f64 {
+        let (a, b) = way.normalize_or_zero().any_orthonormal_pair();
+        let mut last: f64 = 0.0;
+        for side in [a, -a, b, -b] {
+            let found = self.meetings(start + side * BESIDE, way);
+            let all = found.edges.iter().chain(&found.inside).map(|m| m.0);
+            last = last.max(all.fold(f64::INFINITY, f64::min));
+        }
+        last
+    }
+
+    fn meetings(&mut self, start: DVec3, way: DVec3) -> Meetings {
+        let nodes = self.tracer.nodes();
+        let slabs = Slabs::new(start.as_vec3(), way.as_vec3());
+        let mut found = Meetings { inside: None, edges: Vec::new() };
+        // What was met last is likely to be met again and then bounds the search.
+        if let Some(last) = self.last_first {
+            let (contact, t) = meet(self.corners(last), start, way);
+            if contact == Contact::Inside {
+                found.inside = Some((t, last));
+            }
+        }
+        let mut open = std::mem::take(&mut self.near_first);
+        open.clear();
+        if let Some(root) = nodes.first() {
+            open.push((slabs.entry(root.min, root.max), 0));
+        }
+        while let Some((entry, node)) = open.pop() {
+            let limit = found.inside.map_or(1.0, |m| m.0);
+            if f64::from(entry) > limit {
+                continue;
+            }
+            let node = &nodes[node as usize];
+            if node.count == 0 {
+                let child = |i: u32| {
+                    let n = &nodes[i as usize];
+                    (slabs.entry(n.min, n.max), i)
+                };
+                let (a, b) = (child(node.first), child(node.first + 1));
+                let (near, far) = if a.0 <= b.0 { (a, b) } else { (b, a) };
+                open.extend([far, near].into_iter().filter(|n| n.0 <= 1.0));
+                continue;
+            }
+            for slot in node.first..node.first + node.count {
+                let (corners, _, polygon) = self.tracer.polygon(slot);
+                match meet(corners, start, way) {
+                    (Contact::None, _) => {}
+                    (Contact::Edge, t) => found.edges.push((t, polygon)),
+                    (Contact::Inside, t) => {
+                        let nearer = |m: (f64, u32)| t < m.0 || t == m.0 && polygon < m.1;
+                        if found.inside.is_none_or(nearer) {
+                            found.inside = Some((t, polygon));
+                        }
+                    }
+                }
+            }
+        }
+        self.near_first = open;
+        if let Some((limit, _)) = found.inside {
+            found.edges.retain(|e| e.0 < limit);
+        }
+        found
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::tracer::{Polygon, Tracer};
+    use super::*;
+
+    /// Squares of side 8 in the planes x = 0 and x = 16, each in two halves that meet at y = 0.
+    fn walls() -> Tracer {
+        let half = |x: f32, y: [f32; 2]| {
+            let vertices = [[y[0], -8.0], [y[0], 8.0], [y[1], 8.0], [y[1], -8.0]]
+                .map(|[y, z]| Vec3::new(x, y, z));
+            Polygon { vertices: vertices.to_vec(), normal: -Vec3::X }
+        };
+        Tracer::new(vec![
+            half(16.0, [-80.0, 0.0]),
+            half(16.0, [0.0, 80.0]),
+            half(0.0, [-8.0, 0.0]),
+            half(0.0, [0.0, 8.0]),
+        ])
+    }
+
+    fn hit(tracer: &Tracer, from: [f32; 3], direction: Vec3) -> Option<Hit> {
+        ShadowRays::new(tracer).first_hit(from.into(), direction, 1e6)
+    }
+
+    #[test]
+    fn the_nearest_polygon_is_hit_even_through_seams() {
+        let walls = walls();
+        let at =
+            |y: f32, x: f32| hit(&walls, [x, y, 1.0], Vec3::X).map(|h| (h.polygon, h.distance));
+        assert_eq!(at(3.0, -4.0), Some((3, 4.0)));
+        assert_eq!(at(-3.0, -4.0), Some((2, 4.0)));
+        assert_eq!(at(9.0, -4.0), Some((1, 20.0)), "beside the near wall");
+        assert_eq!(at(3.0, 1.0), Some((1, 15.0)), "starts behind it");
+        assert_eq!(at(3.0, 17.0), None);
+        for x in [-4.0, 1.0] {
+            let distance = if x < 0.0 { 4.0 } else { 15.0 };
+            assert_eq!(at(0.0, x).map(|h| h.1), Some(distance), "along the seam from {x}");
+        }
+        assert_eq!(hit(&walls, [0.0, 3.0, 1.0], Vec3::X).map(|h| h.polygon), Some(1), "from it");
+    }
+
+    #[test]
+    fn memory_of_the_last_hit_changes_no_answer() {
+        let walls = walls();
+        let mut remembering = ShadowRays::new(&walls);
+        for i in 0..441_u16 {
+            let from = Vec3::new(-3.0, f32::from(i % 21) - 10.0, f32::from(i / 21) - 10.0);
+            let direction = Vec3::new(4.0, f32::from(i % 3) - 1.0, f32::from(i % 5) - 2.0);
+            let direction = direction.normalize();
+            let fresh = ShadowRays::new(&walls).first_hit(from, direction, 1e6);
+            assert_eq!(remembering.first_hit(from, direction, 1e6), fresh, "{from} {direction}");
+        }
+    }
+}
