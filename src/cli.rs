@@ -64,6 +64,10 @@ pub struct Cli {
     #[arg(long, value_enum, default_value_t, help_heading = "Materials")]
     pub surface_lights: SurfaceLightsArg,
 
+    /// Set a worldspawn key instead of the map, such as _sunlight_penumbra=0; may be given more than once
+    #[arg(long, value_name = "KEY=VALUE", value_parser = key_value, help_heading = "Materials")]
+    pub set: Vec<(String, String)>,
+
     /// Write the lightmaps as pictures, one PNG a light style, and index.csv, into a folder
     #[arg(long, value_name = "DIR", help_heading = "Pictures")]
     pub dump_lightmaps: Option<PathBuf>,
@@ -129,6 +133,16 @@ pub enum SurfaceLightsArg {
     Area,
 }
 
+/// Splits `KEY=VALUE`.
+fn key_value(text: &str) -> std::result::Result<(String, String), String> {
+    match text.split_once('=') {
+        Some((key, value)) if !key.trim_start_matches('_').is_empty() => {
+            Ok((key.to_owned(), value.to_owned()))
+        }
+        _ => Err("give a worldspawn key and its value with = between".into()),
+    }
+}
+
 impl Cli {
     /// The settings of a map run.
     ///
@@ -150,6 +164,7 @@ impl Cli {
                 SurfaceLightsArg::Points => SurfaceLights::Points,
                 SurfaceLightsArg::Area => SurfaceLights::Area,
             },
+            overrides: self.set.clone(),
         }
         .checked()
     }

@@ -35,6 +35,8 @@ pub struct Settings {
     pub grey: bool,
     /// How surface lights shine.
     pub surface_lights: SurfaceLights,
+    /// Worldspawn keys and values that win over those of the map.
+    pub overrides: Vec<(String, String)>,
 }
 
 impl Default for Settings {
@@ -48,6 +50,7 @@ impl Default for Settings {
             reflectance_scale: 1.0,
             grey: false,
             surface_lights: SurfaceLights::default(),
+            overrides: Vec::new(),
         }
     }
 }
@@ -80,6 +83,7 @@ impl Settings {
             grey: self.grey,
             textures,
             area_lights: self.surface_lights == SurfaceLights::Area,
+            overrides: self.overrides.clone(),
         }
     }
 }

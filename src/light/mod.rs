@@ -8,6 +8,7 @@ mod point;
 mod probe;
 mod radiosity;
 mod spot;
+mod sun;
 
 pub use dirt::FaceDirt;
 pub use minlight::Probe;
@@ -62,6 +63,10 @@ pub fn direct(scene: &Scene, surface: usize, samples: &[Sample]) -> DirectLight 
         let styles = if light.brightness > 0.0 { &mut result.styles } else { &mut result.negative };
         light_surface(scene, light, (surface, &sphere), points, &mut shadows, styles);
     }
+    for sun in &scene.suns {
+        let styles = if sun.brightness > 0.0 { &mut result.styles } else { &mut result.negative };
+        sun::light_surface(scene, sun, surface, points, &mut shadows, styles);
+    }
     for light in &scene.radiosity_lights {
         let receiver = (surface, &sphere);
         radiosity::light_surface(scene, light, receiver, points, &mut shadows, &mut result.styles);
@@ -110,10 +115,14 @@ pub(crate) fn accumulate(maps: &mut Vec<StyleLight>, more: &StyleLight) {
 }
 
 /// Direct light at a point with a unit normal that belongs to no surface: style and irradiance,
-/// negative lights included, in the order of the lights.
+/// negative lights included, in the order of the lights, then of the suns.
 pub fn at(scene: &Scene, position: Vec3, normal: Vec3) -> Vec<(u16, Irradiance)> {
     let mut shadows = ShadowRays::new(&scene.tracer);
     let mut styles: Vec<(u16, Irradiance)> = Vec::new();
+    let mut add = |style: u16, colour: Vec3| match styles.iter_mut().find(|s| s.0 == style) {
+        Some(style) => style.1 += Irradiance(colour),
+        None => styles.push((style, Irradiance(colour))),
+    };
     for light in &scene.lights {
         let Some(colour) = point::unshadowed(light, scene.world.dist, position, normal, false)
         else {
@@ -122,9 +131,13 @@ pub fn at(scene: &Scene, position: Vec3, normal: Vec3) -> Vec<(u16, Irradiance)>
         if brightness(colour).abs() <= scene.world.gate || shadows.blocked(position, light.origin) {
             continue;
         }
-        match styles.iter_mut().find(|s| s.0 == light.style) {
-            Some(style) => style.1 += Irradiance(colour),
-            None => styles.push((light.style, Irradiance(colour))),
+        add(light.style, colour);
+    }
+    for sun in &scene.suns {
+        let colour = sun::unshadowed(sun, normal, false);
+        let gate = scene.world.gate;
+        if brightness(colour).abs() > gate && sun::is_seen(scene, sun, position, &mut shadows) {
+            add(sun.style, colour);
         }
     }
     styles
@@ -147,7 +160,6 @@ fn light_surface(
     {
         return;
     }
-    let mut slot = styles.iter().position(|s| s.style == light.style);
     for (i, sample) in samples.iter().enumerate().filter(|(_, s)| !s.occluded) {
         let Some(colour) =
             point::unshadowed(light, dist, sample.position, sample.normal, surface.two_sided)
@@ -162,13 +174,17 @@ fn light_surface(
         if shadows.blocked(sample.position, light.origin) {
             continue;
         }
-        let slot = *slot.get_or_insert_with(|| {
-            let irradiance = vec![Irradiance::ZERO; samples.len()];
-            styles.push(StyleLight { style: light.style, irradiance });
-            styles.len() - 1
-        });
-        styles[slot].irradiance[i] += Irradiance(colour);
+        add(styles, light.style, samples.len(), i, colour);
     }
+}
+
+/// Adds light of a style to sample `i` of `count`.
+fn add(styles: &mut Vec<StyleLight>, style: u16, count: usize, i: usize, colour: Vec3) {
+    let slot = styles.iter().position(|s| s.style == style).unwrap_or_else(|| {
+        styles.push(StyleLight { style, irradiance: vec![Irradiance::ZERO; count] });
+        styles.len() - 1
+    });
+    styles[slot].irradiance[i] += Irradiance(colour);
 }
 
 /// A sphere around a surface.

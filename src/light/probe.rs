@@ -1,10 +1,10 @@
 //! Light at the probe of a brush model, a free point that belongs to no surface (contract section
 //! 6.7): each light counts as on a cube's face that it lights best.
 
-use super::{point, radiosity};
+use super::{point, radiosity, sun};
 use crate::photometry::Irradiance;
 use crate::scene::exact::{brightness, length, normalize};
-use crate::scene::{Scene, ShadowRays};
+use crate::scene::{Scene, ShadowRays, Sun};
 use glam::Vec3;
 
 /// How far a probe may be moved out of solid, in world units.
@@ -34,6 +34,14 @@ pub(crate) fn probe(scene: &Scene, position: Vec3) -> Vec<(u16, Irradiance)> {
             add(light.style, colour);
         }
     }
+    for sun in &scene.suns {
+        let colour = sun::unshadowed(sun, sun.to_sun, false);
+        let colour = colour * best_side(sun.to_sun, sun.angle_scale);
+        if brightness(colour).abs() > scene.world.gate && sees_sky(scene, position, sun, &mut rays)
+        {
+            add(sun.style, colour);
+        }
+    }
     for light in &scene.radiosity_lights {
         for from in &light.points {
             let settings = &scene.world.surflight;
@@ -47,6 +55,12 @@ pub(crate) fn probe(scene: &Scene, position: Vec3) -> Vec<(u16, Irradiance)> {
         }
     }
     styles
+}
+
+/// Whether the ray towards a sun meets sky first, whatever its texture.
+fn sees_sky(scene: &Scene, position: Vec3, sun: &Sun, rays: &mut ShadowRays<'_>) -> bool {
+    let any = Sun { sky_texture: None, ..sun.clone() };
+    sun::is_seen(scene, &any, position, rays)
 }
 
 /// Share of light from a unit direction that the cube's face turned most to it gets.

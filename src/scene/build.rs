@@ -7,11 +7,14 @@ use super::materials::Materials;
 use super::minlight::Minlight;
 use super::models::{self, Model};
 use super::neighbours::Neighbours;
+use super::overrides;
 use super::phong::{Smoothing, Wish};
 use super::radiosity_lights::{self, Emissive};
+use super::random::Random;
 use super::shape::{AREA_EPS, LuxelMap, Shape, area_and_centre};
 use super::sidecar::{self, Sidecar, SurflightKeys, TexInfoKeys};
 use super::solid::Solid;
+use super::suns;
 use super::surface::{LuxelGrid, Role, Surface};
 use super::surface_lights::{self, Faces};
 use super::tracer::{Polygon, Tracer};
@@ -37,11 +40,19 @@ pub struct SceneSettings {
     pub textures: Vec<MipTex>,
     /// Surface lights are area light: the faces emit, no point lights are placed before them.
     pub area_lights: bool,
+    /// Worldspawn keys and values that win over those of the map, in any spelling of the key.
+    pub overrides: Vec<(String, String)>,
 }
 
 impl Default for SceneSettings {
     fn default() -> Self {
-        Self { reflectance_scale: 1.0, grey: false, textures: Vec::new(), area_lights: false }
+        Self {
+            reflectance_scale: 1.0,
+            grey: false,
+            textures: Vec::new(),
+            area_lights: false,
+            overrides: Vec::new(),
+        }
     }
 }
 
@@ -57,8 +68,9 @@ impl Scene {
         let mut entities = parse_entities(&bsp.entities)?;
         normalise(&mut entities)?;
         let nothing = Entity::default();
-        let worldspawn = entities.first().unwrap_or(&nothing);
-        let mut world = WorldSettings::read(worldspawn, &mut warnings, &mut not_simulated);
+        let worldspawn =
+            overrides::apply(entities.first().unwrap_or(&nothing), &settings.overrides);
+        let mut world = WorldSettings::read(&worldspawn, &mut warnings, &mut not_simulated);
         let mut keys = sidecar::texinfo_keys(
             sidecar.texinfo,
             bsp.texinfos.len(),
@@ -84,7 +96,8 @@ impl Scene {
             .warn(surfaces.iter().filter(|s| s.reflects).filter_map(|s| s.texture), &mut warnings);
 
         let smoothing = Smoothing::new(bsp, &shapes, &wishes);
-        let mut drafts = entity_lights::read(&entities, &world, &mut warnings, &mut not_simulated);
+        let mut drafts =
+            entity_lights::read(&entities, bsp, &world, &mut warnings, &mut not_simulated);
         let colours: Vec<Vec3> = surfaces.iter().map(|s| materials.colour(s.texture)).collect();
         let light_faces = Faces {
             bsp,
@@ -109,9 +122,12 @@ impl Scene {
         for (surface, glow) in surfaces.iter_mut().zip(glows) {
             surface.minlight.glow = glow;
         }
-        let lights = entity_lights::finish(drafts, &entities, &world, &solid, &mut warnings)?;
+        let mut random = Random::new();
+        let (lights, sky) =
+            entity_lights::finish(drafts, &entities, &world, &solid, &mut random, &mut warnings)?;
         let (local_minlights, lights) =
             lights.into_iter().partition(|l| l.attenuation == Attenuation::LocalMinimum);
+        let suns = suns::make(&worldspawn, &world, &sky, &mut random);
 
         let (tracer, tracer_surface) = build_tracer(&surfaces);
         Ok(Self {
@@ -120,6 +136,7 @@ impl Scene {
             lights,
             local_minlights,
             radiosity_lights,
+            suns,
             emitters,
             world,
             tracer,

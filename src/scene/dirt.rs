@@ -15,10 +15,6 @@ pub struct DirtSettings {
     pub lights: bool,
     /// `minlight_dirt`: minimum light gets dirt.
     pub minlight: bool,
-    /// `sunlight_dirt`: suns get dirt.
-    pub suns: bool,
-    /// `sunlight2_dirt`: sky light gets dirt.
-    pub sky: bool,
     /// `dirtmode` 1: directions are random instead of fixed.
     pub random: bool,
     /// `dirtdepth`: how far dirt looks, in world units, 1 or more.
@@ -37,8 +33,6 @@ impl Default for DirtSettings {
             in_use: false,
             lights: false,
             minlight: false,
-            suns: false,
-            sky: false,
             random: false,
             depth: 128.0,
             scale: 1.0,
@@ -59,12 +53,8 @@ impl DirtSettings {
         s.random = value("dirtmode").is_some_and(|v| keys::integer(v) == 1);
         s.lights = ["dirt", "dirty"].iter().any(|k| value(k).is_some_and(keys::boolean));
         s.minlight = value("minlight_dirt").map_or(s.lights, keys::boolean);
-        let of_sky = |name: &str| match value(name).and_then(keys::number) {
-            Some(v) => wanted(v, s.lights),
-            None => s.lights,
-        };
-        (s.suns, s.sky) = (of_sky("sunlight_dirt"), of_sky("sunlight2_dirt"));
-        s.in_use = s.lights || s.minlight || s.suns || s.sky;
+        let of_sky = |name: &str| value(name).and_then(keys::number).is_some_and(|v| v > 0.0);
+        s.in_use = s.lights || s.minlight || of_sky("sunlight_dirt") || of_sky("sunlight2_dirt");
         s
     }
 }
@@ -127,11 +117,11 @@ mod tests {
     }
 
     #[test]
-    fn dirt_switches_on_the_others_unless_they_are_set() {
-        let s = settings(&[("_dirt", "1"), ("_sunlight2_dirt", "-1"), ("_minlight_dirt", "0")]);
-        assert!(s.in_use && s.lights && s.suns && !s.sky && !s.minlight);
+    fn dirt_switches_on_that_of_minimum_light_unless_it_is_set() {
+        let s = settings(&[("_dirt", "1"), ("_minlight_dirt", "0")]);
+        assert!(s.in_use && s.lights && !s.minlight);
         let s = settings(&[("_sunlight_dirt", "1"), ("_dirtdepth", "0")]);
-        assert!(s.in_use && !s.lights && s.suns && !s.sky && s.depth == 1.0);
+        assert!(s.in_use && !s.lights && !s.minlight && s.depth == 1.0);
         assert_eq!(settings(&[]), DirtSettings::default());
     }
 

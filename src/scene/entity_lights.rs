@@ -7,8 +7,9 @@ use super::keys;
 use super::lights::{Attenuation, Light, Spot};
 use super::random::Random;
 use super::solid::Solid;
+use super::suns::{self, SkyLight, Source, Sun};
 use super::world::WorldSettings;
-use crate::bsp::Entity;
+use crate::bsp::{Bsp, Entity};
 use crate::{Error, Result};
 use glam::Vec3;
 use std::collections::BTreeSet;
@@ -39,6 +40,17 @@ pub(crate) struct Draft {
     target: String,
     /// Keep the origin even inside solid.
     no_nudge: bool,
+    /// It shines from the sky instead of from its origin.
+    sky: Option<Sky>,
+}
+
+/// What makes a light shine from the sky.
+#[derive(Clone, Debug)]
+struct Sky {
+    kind: SkyLight,
+    penumbra: f32,
+    dirt: Option<bool>,
+    texture: Option<u32>,
 }
 
 /// What makes a light a template for surface lights.
@@ -85,13 +97,14 @@ fn is_light(entity: &Entity) -> bool {
 /// Reads the light entities, whose switchable styles are already set. What is asked for but not simulated goes to `not_simulated`.
 pub(crate) fn read(
     entities: &[Entity],
+    bsp: &Bsp,
     world: &WorldSettings,
     warnings: &mut Vec<String>,
     not_simulated: &mut BTreeSet<String>,
 ) -> Vec<Draft> {
     let mut drafts = Vec::new();
     for (index, entity) in entities.iter().enumerate().filter(|(_, e)| is_light(e)) {
-        let mut reader = Reader { entity, place: String::new(), warnings, not_simulated };
+        let mut reader = Reader { entity, bsp, place: String::new(), warnings, not_simulated };
         let origin = entity.setting("origin").and_then(keys::vector).unwrap_or(Vec3::ZERO);
         reader.place = format!("light at {} {} {}", origin.x, origin.y, origin.z);
         drafts.push(reader.read(index as u32, origin, world));
@@ -102,6 +115,7 @@ pub(crate) fn read(
 /// One light entity being read.
 struct Reader<'a> {
     entity: &'a Entity,
+    bsp: &'a Bsp,
     place: String,
     warnings: &'a mut Vec<String>,
     not_simulated: &'a mut BTreeSet<String>,
@@ -136,7 +150,10 @@ impl Reader<'_> {
             self.number("deviance").unwrap_or(0.0),
             self.entity.setting("samples").map_or(16, keys::integer),
         );
-        if deviance <= 0.0 || samples <= 1 {
+        let sky = self.sky(deviance);
+        let is_dome = sky.as_ref().is_some_and(|s| s.kind != SkyLight::Sun);
+        // A dome has no place to jitter about (the reference makes a dome of each copy: Q40).
+        if deviance <= 0.0 || samples <= 1 || is_dome {
             (deviance, samples) = (0.0, 1);
         }
         // Delay 0 and 6 are not divided: the contract's Q21.
@@ -183,7 +200,25 @@ impl Reader<'_> {
             inner_angle: self.number("softangle").unwrap_or(0.0),
             target: self.entity.get("target").unwrap_or("").to_owned(),
             no_nudge: self.flag("nonudge"),
+            sky,
         }
+    }
+
+    /// What the light adds to the sky, if that is what it does. `deviance` is in degrees then.
+    fn sky(&self, deviance: f32) -> Option<Sky> {
+        let kind = if self.flag("sun") {
+            SkyLight::Sun
+        } else if self.flag("sunlight2") || self.flag("sunlight3") {
+            SkyLight::Dome { upper: self.flag("sunlight2") }
+        } else {
+            return None;
+        };
+        Some(Sky {
+            kind,
+            penumbra: deviance.max(0.0),
+            dirt: suns::dirt(self.entity, "dirt"),
+            texture: suns::sky_texture(self.entity, self.bsp),
+        })
     }
 
     /// The formula for a delay; `None` for a light that does not shine.
@@ -209,17 +244,10 @@ impl Reader<'_> {
 
     /// Whether the light is off, or of a kind that is not simulated.
     fn is_out_of_scope(&mut self) -> bool {
-        for (key, effect) in [
-            ("sun", "sun light"),
-            ("sunlight2", "sky light"),
-            ("sunlight3", "sky light"),
-            ("project_texture", "projected textures"),
-        ] {
-            let value = self.entity.setting(key).unwrap_or("");
-            if !value.is_empty() && keys::boolean(value) {
-                self.not_simulated.insert(format!("light _{key}: {effect} not simulated yet"));
-                return true;
-            }
+        if self.entity.setting("project_texture").is_some_and(|t| !t.is_empty()) {
+            self.not_simulated
+                .insert("light _project_texture: projected textures not simulated yet".into());
+            return true;
         }
         if self.entity.setting("switchableshadow_target").is_some_and(|t| !t.is_empty()) {
             self.not_simulated.insert(
@@ -265,23 +293,29 @@ fn delay(text: &str) -> i32 {
         .map_or_else(|| keys::integer(token), |i| i as i32)
 }
 
-/// Turns drafts, surface copies already appended, into the lights that shine.
+/// Turns drafts, surface copies already appended, into the lights that shine, and those that add to
+/// the sky.
 pub(crate) fn finish(
     mut drafts: Vec<Draft>,
     entities: &[Entity],
     world: &WorldSettings,
     solid: &Solid,
+    random: &mut Random,
     warnings: &mut Vec<String>,
-) -> Result<Vec<Light>> {
+) -> Result<(Vec<Light>, Vec<Source>)> {
     for draft in drafts.iter_mut().filter(|d| d.template.is_some()) {
         draft.light.brightness = 0.0;
     }
-    add_jittered(&mut drafts)?;
-    let mut lights = Vec::new();
+    add_jittered(&mut drafts, random)?;
+    let (mut lights, mut sky) = (Vec::new(), Vec::new());
     let mut stuck = Vec::new();
     for mut draft in drafts {
         aim(&mut draft, entities, world, warnings);
         if draft.light.brightness == 0.0 {
+            continue;
+        }
+        if let Some(source) = sky_source(&draft, entities, warnings) {
+            sky.push(source);
             continue;
         }
         if !draft.no_nudge && draft.light.channel_mask == 1 {
@@ -301,7 +335,55 @@ pub(crate) fn finish(
             first.z
         ));
     }
-    Ok(lights)
+    Ok((lights, sky))
+}
+
+/// The light as a source in the sky, if it is one and adds light.
+fn sky_source(draft: &Draft, entities: &[Entity], warnings: &mut Vec<String>) -> Option<Source> {
+    let sky = draft.sky.as_ref()?;
+    let light = &draft.light;
+    if light.brightness <= 0.0 {
+        return None;
+    }
+    let origin = light.origin;
+    let travel = match (target(draft, entities), &light.spot) {
+        (Some(target), _) => target - origin,
+        (None, Some(spot)) => spot.direction,
+        (None, None) => {
+            if sky.kind == SkyLight::Sun {
+                warnings.push(format!(
+                    "sun at {} {} {} has neither target nor mangle: it shines towards 0 0 0",
+                    origin.x, origin.y, origin.z
+                ));
+            }
+            -origin
+        }
+    };
+    Some(Source {
+        kind: sky.kind,
+        travel,
+        penumbra: sky.penumbra,
+        light: Sun {
+            to_sun: Vec3::Z,
+            brightness: light.brightness,
+            colour: light.colour,
+            angle_scale: light.angle_scale,
+            style: light.style,
+            dirt: sky.dirt,
+            sky_texture: sky.texture,
+        },
+    })
+}
+
+/// Where the entity is that the light targets.
+fn target(draft: &Draft, entities: &[Entity]) -> Option<Vec3> {
+    if draft.target.is_empty() {
+        return None;
+    }
+    let target = entities
+        .iter()
+        .find(|e| e.get("targetname").is_some_and(|n| n.eq_ignore_ascii_case(&draft.target)))?;
+    Some(target.get("origin").and_then(keys::vector).unwrap_or(Vec3::ZERO))
 }
 
 /// Refuses a number of lights that would take too much memory and time.
@@ -318,14 +400,17 @@ pub(crate) fn check_light_count(count: usize) -> Result<()> {
 }
 
 /// Appends the copies of lights with `_deviance`, spread over a cube around each.
-fn add_jittered(drafts: &mut Vec<Draft>) -> Result<()> {
+fn add_jittered(drafts: &mut Vec<Draft>, random: &mut Random) -> Result<()> {
     let total = drafts.iter().fold(0_usize, |n, d| {
-        n.saturating_add(if d.light.brightness == 0.0 { 1 } else { d.samples as usize })
+        n.saturating_add(if d.light.brightness == 0.0 || d.sky.is_some() {
+            1
+        } else {
+            d.samples as usize
+        })
     });
     check_light_count(total)?;
-    let mut random = Random::new();
     for i in 0..drafts.len() {
-        if drafts[i].light.brightness == 0.0 {
+        if drafts[i].light.brightness == 0.0 || drafts[i].sky.is_some() {
             continue;
         }
         let deviance = drafts[i].deviance;
@@ -344,11 +429,7 @@ fn add_jittered(drafts: &mut Vec<Draft>) -> Result<()> {
 fn aim(draft: &mut Draft, entities: &[Entity], world: &WorldSettings, warnings: &mut Vec<String>) {
     let mut target_distance = 0.0;
     if !draft.target.is_empty() {
-        let target = entities
-            .iter()
-            .find(|e| e.get("targetname").is_some_and(|n| n.eq_ignore_ascii_case(&draft.target)));
-        if let Some(target) = target {
-            let at = target.get("origin").and_then(keys::vector).unwrap_or(Vec3::ZERO);
+        if let Some(at) = target(draft, entities) {
             let towards = at - draft.light.origin;
             target_distance = length(towards);
             draft.is_spot = true;

@@ -91,6 +91,12 @@ pub(crate) fn light(text: &str) -> (Option<f32>, Option<Vec3>) {
     }
 }
 
+/// The angles of a sun: up to three numbers, the missing ones 0.
+pub(crate) fn angles(text: &str) -> Vec3 {
+    let given = numbers(text);
+    Vec3::from_array(std::array::from_fn(|i| given.get(i).copied().unwrap_or(0.0)))
+}
+
 /// Direction of a `mangle` (yaw, pitch, roll in degrees): positive pitch is up, roll is ignored.
 pub(crate) fn direction(mangle: Vec3) -> Vec3 {
     let (sin_yaw, cos_yaw) = super::exact::radians(mangle.x).sin_cos();

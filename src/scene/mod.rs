@@ -12,6 +12,7 @@ mod materials;
 mod minlight;
 mod models;
 mod neighbours;
+mod overrides;
 mod phong;
 mod radiosity_lights;
 mod random;
@@ -19,6 +20,7 @@ mod shadow;
 mod shape;
 mod sidecar;
 mod solid;
+mod suns;
 mod surface;
 mod surface_lights;
 mod tie;
@@ -36,6 +38,7 @@ pub use radiosity_lights::{EmissiveQuality, RadiosityLight, SurflightSettings};
 pub use shadow::ShadowRays;
 pub use sidecar::Sidecar;
 pub use solid::Solid;
+pub use suns::Sun;
 pub use surface::{LuxelGrid, Role, Surface};
 pub use surface_lights::Emitter;
 pub use tracer::{Hit, Node, Polygon, Tracer};
@@ -54,6 +57,8 @@ pub struct Scene {
     pub local_minlights: Vec<Light>,
     /// The surfaces that emit light from points over them.
     pub radiosity_lights: Vec<RadiosityLight>,
+    /// Suns and the suns that sky domes are made of, in the order in which they are added up.
+    pub suns: Vec<Sun>,
     /// The surfaces that emit light as areas.
     pub emitters: Vec<Emitter>,
     /// What worldspawn sets for the whole map.

@@ -72,14 +72,7 @@ impl Default for WorldSettings {
 }
 
 /// Keys that ask for effects not simulated yet, with the effect.
-const NOT_SIMULATED: [(&str, &str); 6] = [
-    ("sunlight", "sun light"),
-    ("sun_light", "sun light"),
-    ("sun2", "sun light"),
-    ("sunlight2", "sky light"),
-    ("sunlight3", "sky light"),
-    ("world_units_per_luxel", "decoupled lightmaps"),
-];
+const NOT_SIMULATED: [(&str, &str); 1] = [("world_units_per_luxel", "decoupled lightmaps")];
 
 impl WorldSettings {
     /// Reads the keys of worldspawn. Unusable values keep the default with a warning.
