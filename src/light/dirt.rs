@@ -73,15 +73,20 @@ impl FaceDirt {
     }
 }
 
-/// Directions about the z axis, which stands for the normal, evenly spread.
+/// Directions about the z axis, which stands for the normal, evenly spread. Angles are summed in
+/// single precision as in the reference, because rays along the axes of a map meet edges.
 fn directions(settings: &DirtSettings) -> Vec<Vec3> {
-    let step = radians(settings.angle / ELEVATIONS as f32);
+    let azimuth_step = radians(360.0 / AZIMUTHS as f32) as f32;
+    let elevation_step = radians(settings.angle / ELEVATIONS as f32) as f32;
     let mut directions = Vec::with_capacity((AZIMUTHS * ELEVATIONS) as usize);
-    for i in 0..AZIMUTHS {
-        for j in 0..ELEVATIONS {
-            let azimuth = f64::from(i) * TAU / f64::from(AZIMUTHS);
-            directions.push(direction(azimuth, (f64::from(j) + 0.5) * step));
+    let mut azimuth = 0.0_f32;
+    for _ in 0..AZIMUTHS {
+        let mut elevation = elevation_step * 0.5;
+        for _ in 0..ELEVATIONS {
+            directions.push(direction(azimuth.into(), elevation.into()));
+            elevation += elevation_step;
         }
+        azimuth += azimuth_step;
     }
     directions
 }
