@@ -51,8 +51,10 @@ mod tests {
             bleed: false,
             style: 0,
             spot: None,
+            projection: None,
             channel_mask: 1,
             dirt: crate::scene::DirtKeys::default(),
+            shadow_mask: 1,
             entity: 0,
         }
     }

@@ -2,7 +2,7 @@
 //! 6.3). Rays into the half space over a luxel measure how much room it has.
 
 use crate::scene::exact::{dot, normalize, radians};
-use crate::scene::{DirtKeys, DirtSettings, Role, Sample, Scene, ShadowRays, Surface};
+use crate::scene::{DirtKeys, DirtSettings, LightRays, Sample, Scene, Surface};
 use glam::Vec3;
 use std::f64::consts::TAU;
 
@@ -26,7 +26,7 @@ impl FaceDirt {
         scene: &Scene,
         index: usize,
         samples: &[Sample],
-        rays: &mut ShadowRays<'_>,
+        rays: &mut LightRays<'_>,
     ) -> Self {
         let settings = &scene.world.dirt;
         let surface = &scene.surfaces[index];
@@ -112,20 +112,15 @@ fn occlusion(
     surface: &Surface,
     sample: &Sample,
     directions: &[Vec3],
-    rays: &mut ShadowRays<'_>,
+    rays: &mut LightRays<'_>,
 ) -> f32 {
-    let _ = surface;
     let depth = scene.world.dirt.depth;
     let (tangent, bitangent) = frame(sample.normal);
     let (tangent, bitangent) = (normalize(tangent), normalize(bitangent));
     let mut sum = 0.0;
     for d in directions {
         let way = bitangent * d.x + tangent * d.y + sample.normal * d.z;
-        let near = rays.first_hit(sample.position, way, depth).filter(|hit| {
-            let surface = scene.tracer_surface[hit.polygon as usize];
-            scene.surfaces[surface as usize].role != Role::Sky
-        });
-        sum += near.map_or(depth, |hit| hit.distance.min(depth));
+        sum += rays.room(sample.position, way, depth, surface.channel_mask);
     }
     1.0 - sum / directions.len() as f32 / depth
 }

@@ -6,7 +6,7 @@ use super::dirt::FaceDirt;
 use crate::photometry::Irradiance;
 use crate::scene::exact::brightness;
 use crate::scene::{
-    AutoMinlight, DirtKeys, Minlight, Sample, Scene, ShadowRays, Surface, WorldSettings,
+    AutoMinlight, DirtKeys, LightRays, Minlight, Sample, Scene, Surface, WorldSettings,
 };
 use glam::Vec3;
 
@@ -46,7 +46,7 @@ pub(super) fn local(
     surface: &Surface,
     (samples, dirt): (&[Sample], &FaceDirt),
     styles: &[StyleLight],
-    shadows: &mut ShadowRays<'_>,
+    rays: &mut LightRays<'_>,
 ) -> Vec<StyleLight> {
     let mut minimum: Vec<StyleLight> = Vec::new();
     if surface.minlight.exempt || scene.local_minlights.is_empty() {
@@ -68,7 +68,8 @@ pub(super) fn local(
                     continue;
                 }
             }
-            if shadows.blocked(sample.position, light.origin) {
+            let mask = light.shadow_mask;
+            if rays.between(sample.position, light.origin, mask, light.colour).is_none() {
                 continue;
             }
             let level = light.brightness * dirt.factor(i, &light.dirt, 0.0);

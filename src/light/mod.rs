@@ -17,7 +17,7 @@ pub(crate) use probe::{place as probe_place, probe};
 
 use crate::photometry::Irradiance;
 use crate::scene::exact::{brightness, distance, dot, length};
-use crate::scene::{Light, Sample, Scene, ShadowRays, Surface};
+use crate::scene::{Light, LightRays, Sample, Scene, Surface};
 use glam::Vec3;
 
 /// Irradiance of one light style at a list of samples.
@@ -51,8 +51,8 @@ pub fn direct(scene: &Scene, surface: usize, samples: &[Sample]) -> DirectLight 
     if samples.is_empty() {
         return result;
     }
-    let mut shadows = ShadowRays::new(&scene.tracer);
-    result.dirt = FaceDirt::trace(scene, surface, samples, &mut shadows);
+    let mut rays = LightRays::new(scene, scene.surfaces[surface].model);
+    result.dirt = FaceDirt::trace(scene, surface, samples, &mut rays);
     let surface = &scene.surfaces[surface];
     if surface.light_ignore {
         return result;
@@ -61,18 +61,18 @@ pub fn direct(scene: &Scene, surface: usize, samples: &[Sample]) -> DirectLight 
     let points = (samples, &result.dirt);
     for light in &scene.lights {
         let styles = if light.brightness > 0.0 { &mut result.styles } else { &mut result.negative };
-        light_surface(scene, light, (surface, &sphere), points, &mut shadows, styles);
+        light_surface(scene, light, (surface, &sphere), points, &mut rays, styles);
     }
     for sun in &scene.suns {
         let styles = if sun.brightness > 0.0 { &mut result.styles } else { &mut result.negative };
-        sun::light_surface(scene, sun, surface, points, &mut shadows, styles);
+        sun::light_surface(scene, sun, surface, points, &mut rays, styles);
     }
     for light in &scene.radiosity_lights {
         let receiver = (surface, &sphere);
-        radiosity::light_surface(scene, light, receiver, points, &mut shadows, &mut result.styles);
+        radiosity::light_surface(scene, light, receiver, points, &mut rays, &mut result.styles);
     }
-    result.local_minimum = minlight::local(scene, surface, points, &result.styles, &mut shadows);
-    result.rays = shadows.rays();
+    result.local_minimum = minlight::local(scene, surface, points, &result.styles, &mut rays);
+    result.rays = rays.rays();
     result
 }
 
@@ -117,7 +117,7 @@ pub(crate) fn accumulate(maps: &mut Vec<StyleLight>, more: &StyleLight) {
 /// Direct light at a point with a unit normal that belongs to no surface: style and irradiance,
 /// negative lights included, in the order of the lights, then of the suns.
 pub fn at(scene: &Scene, position: Vec3, normal: Vec3) -> Vec<(u16, Irradiance)> {
-    let mut shadows = ShadowRays::new(&scene.tracer);
+    let mut rays = LightRays::new(scene, None);
     let mut styles: Vec<(u16, Irradiance)> = Vec::new();
     let mut add = |style: u16, colour: Vec3| match styles.iter_mut().find(|s| s.0 == style) {
         Some(style) => style.1 += Irradiance(colour),
@@ -128,16 +128,20 @@ pub fn at(scene: &Scene, position: Vec3, normal: Vec3) -> Vec<(u16, Irradiance)>
         else {
             continue;
         };
-        if brightness(colour).abs() <= scene.world.gate || shadows.blocked(position, light.origin) {
+        if brightness(colour).abs() <= scene.world.gate {
             continue;
         }
-        add(light.style, colour);
+        if let Some(arrival) = rays.between(position, light.origin, light.shadow_mask, colour) {
+            add(arrival.style_of(light.style), arrival.colour);
+        }
     }
     for sun in &scene.suns {
         let colour = sun::unshadowed(sun, normal, false);
-        let gate = scene.world.gate;
-        if brightness(colour).abs() > gate && sun::is_seen(scene, sun, position, &mut shadows) {
-            add(sun.style, colour);
+        if brightness(colour).abs() <= scene.world.gate {
+            continue;
+        }
+        if let Some(arrival) = sun::seen(scene, sun, position, colour, &mut rays) {
+            add(arrival.style_of(sun.style), arrival.colour);
         }
     }
     styles
@@ -149,7 +153,7 @@ fn light_surface(
     light: &Light,
     (surface, sphere): (&Surface, &BoundingSphere),
     (samples, dirt): (&[Sample], &FaceDirt),
-    shadows: &mut ShadowRays<'_>,
+    rays: &mut LightRays<'_>,
     styles: &mut Vec<StyleLight>,
 ) {
     let (dist, gate) = (scene.world.dist, scene.world.gate);
@@ -171,10 +175,10 @@ fn light_surface(
         if brightness(colour).abs() <= gate {
             continue;
         }
-        if shadows.blocked(sample.position, light.origin) {
-            continue;
+        let arrival = rays.between(sample.position, light.origin, light.shadow_mask, colour);
+        if let Some(arrival) = arrival {
+            add(styles, arrival.style_of(light.style), samples.len(), i, arrival.colour);
         }
-        add(styles, light.style, samples.len(), i, colour);
     }
 }
 

@@ -9,7 +9,7 @@ use glam::Vec3;
 const NEAREST: f32 = 0.1;
 
 /// Colour that arrives at `position` on a surface with unit normal `normal`, in light units; `None`
-/// if the light is behind the surface or the point outside the light's cone. `dist` is the world's
+/// if the light is behind the surface or the point outside the light's cone or picture. `dist` is the world's
 /// distance scale.
 pub(crate) fn unshadowed(
     light: &Light,
@@ -37,5 +37,9 @@ pub(crate) fn unshadowed(
     if let Some(spot) = &light.spot {
         add *= spot::share(spot, direction)?;
     }
-    Some(light.colour * add * (1.0 / 255.0))
+    let colour = light.colour * add * (1.0 / 255.0);
+    match &light.projection {
+        Some(picture) => Some(colour * picture.factor(-to_light)?),
+        None => Some(colour),
+    }
 }

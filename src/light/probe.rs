@@ -4,7 +4,7 @@
 use super::{point, radiosity, sun};
 use crate::photometry::Irradiance;
 use crate::scene::exact::{brightness, length, normalize};
-use crate::scene::{Scene, ShadowRays, Sun};
+use crate::scene::{LightRays, Scene};
 use glam::Vec3;
 
 /// How far a probe may be moved out of solid, in world units.
@@ -17,7 +17,7 @@ pub(crate) fn place(scene: &Scene, model: usize) -> Option<Vec3> {
 
 /// Direct light at a probe: style and irradiance, negative lights included.
 pub(crate) fn probe(scene: &Scene, position: Vec3) -> Vec<(u16, Irradiance)> {
-    let mut rays = ShadowRays::new(&scene.tracer);
+    let mut rays = LightRays::new(scene, None);
     let mut styles: Vec<(u16, Irradiance)> = Vec::new();
     let mut add = |style: u16, colour: Vec3| match styles.iter_mut().find(|s| s.0 == style) {
         Some(sum) => sum.1 += Irradiance(colour),
@@ -30,16 +30,19 @@ pub(crate) fn probe(scene: &Scene, position: Vec3) -> Vec<(u16, Irradiance)> {
         let Some(colour) = colour.filter(|c| brightness(*c).abs() > scene.world.gate) else {
             continue;
         };
-        if !rays.blocked(position, light.origin) {
-            add(light.style, colour);
+        if let Some(arrival) = rays.between(position, light.origin, light.shadow_mask, colour) {
+            add(arrival.style_of(light.style), arrival.colour);
         }
     }
     for sun in &scene.suns {
         let colour = sun::unshadowed(sun, sun.to_sun, false);
         let colour = colour * best_side(sun.to_sun, sun.angle_scale);
-        if brightness(colour).abs() > scene.world.gate && sees_sky(scene, position, sun, &mut rays)
-        {
-            add(sun.style, colour);
+        if brightness(colour).abs() <= scene.world.gate {
+            continue;
+        }
+        // Whatever the texture of the sky.
+        if let Some((_, arrival)) = rays.from_sky(position, sun.to_sun, colour) {
+            add(arrival.style_of(sun.style), arrival.colour);
         }
     }
     for light in &scene.radiosity_lights {
@@ -49,18 +52,15 @@ pub(crate) fn probe(scene: &Scene, position: Vec3) -> Vec<(u16, Irradiance)> {
                 radiosity::unshadowed(light, settings, scene.world.dist, *from, position, None);
             let Some(colour) = colour else { continue };
             let way = *from - position;
-            if length(way) > 0.0 && !rays.blocked(*from, position) {
-                add(light.style, colour * best_side(normalize(way), 1.0));
+            if length(way) == 0.0 {
+                continue;
+            }
+            if let Some(arrival) = rays.between(*from, position, 1, colour) {
+                add(light.style, arrival.colour * best_side(normalize(way), 1.0));
             }
         }
     }
     styles
-}
-
-/// Whether the ray towards a sun meets sky first, whatever its texture.
-fn sees_sky(scene: &Scene, position: Vec3, sun: &Sun, rays: &mut ShadowRays<'_>) -> bool {
-    let any = Sun { sky_texture: None, ..sun.clone() };
-    sun::is_seen(scene, &any, position, rays)
 }
 
 /// Share of light from a unit direction that the cube's face turned most to it gets.

@@ -1,12 +1,10 @@
 //! Light of surfaces that shine in the manner of radiosity (contract section 4.7, mode 1).
 
 use super::dirt::FaceDirt;
-use super::{BoundingSphere, StyleLight};
-use crate::photometry::Irradiance;
+use super::{BoundingSphere, StyleLight, add};
 use crate::scene::exact::{dot, length};
 use crate::scene::{
-    DirtKeys, EmissiveQuality, RadiosityLight, Sample, Scene, ShadowRays, Surface,
-    SurflightSettings,
+    DirtKeys, EmissiveQuality, LightRays, RadiosityLight, Sample, Scene, Surface, SurflightSettings,
 };
 use glam::Vec3;
 
@@ -23,7 +21,7 @@ pub(super) fn light_surface(
     light: &RadiosityLight,
     (surface, sphere): (&Surface, &BoundingSphere),
     (samples, dirt): (&[Sample], &FaceDirt),
-    shadows: &mut ShadowRays<'_>,
+    rays: &mut LightRays<'_>,
     styles: &mut Vec<StyleLight>,
 ) {
     let (settings, dist) = (&scene.world.surflight, scene.world.dist);
@@ -34,21 +32,14 @@ pub(super) fn light_surface(
         return;
     }
     let keys = DirtKeys::plain(true);
-    let mut slot = styles.iter().position(|s| s.style == light.style);
     for point in &light.points {
         for (i, sample) in samples.iter().enumerate().filter(|(_, s)| !s.occluded) {
             let normal = (!surface.two_sided).then_some(sample.normal);
             let colour = unshadowed(light, settings, dist, *point, sample.position, normal);
             let Some(colour) = colour.filter(|c| c.max_element() > least) else { continue };
-            if shadows.blocked(*point, sample.position) {
-                continue;
-            }
-            let slot = *slot.get_or_insert_with(|| {
-                let irradiance = vec![Irradiance::ZERO; samples.len()];
-                styles.push(StyleLight { style: light.style, irradiance });
-                styles.len() - 1
-            });
-            styles[slot].irradiance[i] += Irradiance(colour * dirt.factor(i, &keys, 0.0));
+            let Some(arrival) = rays.between(*point, sample.position, 1, colour) else { continue };
+            let colour = arrival.colour * dirt.factor(i, &keys, 0.0);
+            add(styles, light.style, samples.len(), i, colour);
         }
     }
 }

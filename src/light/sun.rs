@@ -2,11 +2,9 @@
 
 use super::{FaceDirt, StyleLight, add};
 use crate::scene::exact::{brightness, dot};
-use crate::scene::{DirtKeys, Role, Sample, Scene, ShadowRays, Sun, Surface};
+use crate::scene::{Arrival, DirtKeys, LightRays, Sample, Scene, Sun, Surface};
 use glam::Vec3;
 
-/// Length of the rays towards suns, in world units.
-const SKY_DISTANCE: f32 = 1_000_000.0;
 /// Faces turned away from a sun by this much, as a cosine, are still lit by it.
 const BEHIND: f32 = -0.01;
 
@@ -18,13 +16,18 @@ pub(crate) fn unshadowed(sun: &Sun, normal: Vec3, two_sided: bool) -> Vec3 {
     sun.colour * (angle * sun.brightness / 255.0)
 }
 
-/// Whether the ray from a point towards a sun meets sky first, and of the right texture.
-pub(crate) fn is_seen(scene: &Scene, sun: &Sun, position: Vec3, rays: &mut ShadowRays<'_>) -> bool {
-    rays.first_hit(position, sun.to_sun, SKY_DISTANCE).is_some_and(|hit| {
-        let surface = &scene.surfaces[scene.tracer_surface[hit.polygon as usize] as usize];
-        surface.role == Role::Sky
-            && sun.sky_texture.is_none_or(|texture| surface.texture == Some(texture))
-    })
+/// What arrives at a point of a sun's light of `colour`: none unless the ray towards it meets sky
+/// first, and of the right texture.
+pub(crate) fn seen(
+    scene: &Scene,
+    sun: &Sun,
+    position: Vec3,
+    colour: Vec3,
+    rays: &mut LightRays<'_>,
+) -> Option<Arrival> {
+    let (sky, arrival) = rays.from_sky(position, sun.to_sun, colour)?;
+    let texture = scene.surfaces[sky as usize].texture;
+    sun.sky_texture.is_none_or(|t| texture == Some(t)).then_some(arrival)
 }
 
 /// Adds what one sun sends to the samples of a surface.
@@ -33,7 +36,7 @@ pub(crate) fn light_surface(
     sun: &Sun,
     surface: &Surface,
     (samples, dirt): (&[Sample], &FaceDirt),
-    rays: &mut ShadowRays<'_>,
+    rays: &mut LightRays<'_>,
     styles: &mut Vec<StyleLight>,
 ) {
     let behind = dot(sun.to_sun, surface.normal) < BEHIND;
@@ -43,9 +46,11 @@ pub(crate) fn light_surface(
     let keys = DirtKeys::plain(sun.dirt.unwrap_or(scene.world.dirt.lights));
     for (i, sample) in samples.iter().enumerate().filter(|(_, s)| !s.occluded) {
         let colour = unshadowed(sun, sample.normal, surface.two_sided) * dirt.factor(i, &keys, 0.0);
-        if brightness(colour).abs() > scene.world.gate && is_seen(scene, sun, sample.position, rays)
-        {
-            add(styles, sun.style, samples.len(), i, colour);
+        if brightness(colour).abs() <= scene.world.gate {
+            continue;
+        }
+        if let Some(arrival) = seen(scene, sun, sample.position, colour, rays) {
+            add(styles, arrival.style_of(sun.style), samples.len(), i, arrival.colour);
         }
     }
 }

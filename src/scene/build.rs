@@ -2,10 +2,11 @@
 
 use super::Scene;
 use super::entity_lights;
+use super::filter::Filters;
 use super::lights::Attenuation;
 use super::materials::Materials;
 use super::minlight::Minlight;
-use super::models::{self, Model};
+use super::models::{self, Model, ShadowClass};
 use super::neighbours::Neighbours;
 use super::overrides;
 use super::phong::{Smoothing, Wish};
@@ -17,7 +18,7 @@ use super::solid::Solid;
 use super::suns;
 use super::surface::{LuxelGrid, Role, Surface};
 use super::surface_lights::{self, Faces};
-use super::tracer::{Polygon, Tracer};
+use super::tracer::Tracer;
 use super::world::WorldSettings;
 use crate::bsp::{Bsp, Entity, MipTex, TexInfo, normalise, parse_entities};
 use crate::{Error, Result};
@@ -80,13 +81,13 @@ impl Scene {
         let contents: Vec<i32> = bsp.leafs.iter().map(|l| l.contents).collect();
         let leaf_solid = sidecar::solid_leafs(sidecar.content, &contents, &mut warnings);
         let solid = Solid::new(bsp, leaf_solid);
-        let models = models::read(bsp, &entities, &mut warnings, &mut not_simulated);
+        let models = models::read(bsp, &entities, &mut warnings);
 
         let materials = Materials::new(bsp, settings);
         smooth_models(bsp, &models, &mut keys);
         let mut faces = FaceReader::new(bsp, &models, &keys, &materials, &world);
         for face in 0..bsp.faces.len() {
-            faces.read(face, &mut not_simulated)?;
+            faces.read(face)?;
         }
         faces.warn(&mut warnings);
         let FaceReader {
@@ -96,8 +97,14 @@ impl Scene {
             .warn(surfaces.iter().filter(|s| s.reflects).filter_map(|s| s.texture), &mut warnings);
 
         let smoothing = Smoothing::new(bsp, &shapes, &wishes);
-        let mut drafts =
-            entity_lights::read(&entities, bsp, &world, &mut warnings, &mut not_simulated);
+        let mut drafts = entity_lights::read(
+            &entities,
+            bsp,
+            &settings.textures,
+            &world,
+            &mut warnings,
+            &mut not_simulated,
+        );
         let colours: Vec<Vec3> = surfaces.iter().map(|s| materials.colour(s.texture)).collect();
         let light_faces = Faces {
             bsp,
@@ -130,6 +137,7 @@ impl Scene {
         let suns = suns::make(&worldspawn, &world, &sky, &mut random);
 
         let (tracer, tracer_surface) = build_tracer(&surfaces);
+        let filters = Filters::new(bsp, &surfaces, &names, &models, settings, &mut warnings);
         Ok(Self {
             surfaces,
             models,
@@ -141,6 +149,7 @@ impl Scene {
             world,
             tracer,
             tracer_surface,
+            filters,
             solid,
             not_simulated: not_simulated.into_iter().collect(),
             warnings,
@@ -167,20 +176,15 @@ fn smooth_models(bsp: &Bsp, models: &[Model], keys: &mut [TexInfoKeys]) {
     }
 }
 
-/// The surfaces that block light, and which polygon is which surface.
+/// The surfaces that block all light, and which polygon is which surface.
 fn build_tracer(surfaces: &[Surface]) -> (Tracer, Vec<u32>) {
     let (mut polygons, mut indices) = (Vec::new(), Vec::new());
     for (index, surface) in surfaces.iter().enumerate() {
-        if surface.role == Role::Ghost {
+        if !matches!(surface.role, Role::Solid | Role::Sky) {
             continue;
         }
-        let mut vertices = surface.vertices.clone();
-        vertices.dedup();
-        while vertices.len() > 1 && vertices.first() == vertices.last() {
-            vertices.pop();
-        }
-        if vertices.len() >= 3 {
-            polygons.push(Polygon { vertices, normal: surface.normal });
+        if let Some(polygon) = surface.polygon() {
+            polygons.push(polygon);
             indices.push(index as u32);
         }
     }
@@ -243,7 +247,7 @@ impl<'a> FaceReader<'a> {
         }
     }
 
-    fn read(&mut self, face: usize, not_simulated: &mut BTreeSet<String>) -> Result<()> {
+    fn read(&mut self, face: usize) -> Result<()> {
         let bsp = self.bsp;
         let owner = self.owners[face];
         let model = owner.map(|m| &self.models[m as usize]);
@@ -267,14 +271,6 @@ impl<'a> FaceReader<'a> {
         let alpha = keys.light_alpha.or(model.and_then(|m| m.alpha)).unwrap_or(1.0);
         let mask = keys.channel_mask.unwrap_or(model.map_or(1, |m| m.channel_mask));
         let role = if sound { role(&name, owner, model, keys, alpha, mask) } else { Role::Ghost };
-        if sound && role == Role::Ghost && model.is_some_and(Model::casts) && !keys.no_shadow {
-            if name.starts_with('{') {
-                not_simulated
-                    .insert("fence textures: alpha-tested shadows not simulated yet".into());
-            } else if alpha < 1.0 {
-                not_simulated.insert("glass: tinted shadows not simulated yet".into());
-            }
-        }
 
         let lightmapped = sound
             && owner.is_some()
@@ -308,6 +304,7 @@ impl<'a> FaceReader<'a> {
             reflectance: self.materials.of(texture),
             reflects,
             role,
+            opacity: alpha,
             two_sided: keys.light_twosided.unwrap_or(name.starts_with('*'))
                 || model.and_then(|m| m.alpha).is_some_and(|a| a < 1.0),
             light_ignore: keys.light_ignore || model.is_some_and(|m| m.light_ignore),
@@ -368,15 +365,25 @@ fn role(
     alpha: f32,
     mask: i32,
 ) -> Role {
-    let casts = model.is_some_and(Model::casts) && mask == 1;
-    if !casts || keys.no_shadow || alpha < 1.0 || name.starts_with('{') {
+    let Some(model) = model.filter(|m| m.casts() || mask != 1) else { return Role::Ghost };
+    let opaque = matches!(model.shadow, ShadowClass::World | ShadowClass::Shadow);
+    if keys.no_shadow {
         Role::Ghost
+    } else if model.shadow == ShadowClass::Switchable
+        || model.channel_mask != 1
+        || mask != 1
+        || alpha < 1.0
+        || name.starts_with('{')
+    {
+        Role::Filter
     } else if name.starts_with("sky") {
         Role::Sky
     } else if name.starts_with('*') && owner == Some(0) {
         Role::Ghost
-    } else {
+    } else if opaque {
         Role::Solid
+    } else {
+        Role::Filter
     }
 }
 

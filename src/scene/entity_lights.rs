@@ -5,14 +5,16 @@ use super::dirt::DirtKeys;
 use super::exact::{length, normalize, radians};
 use super::keys;
 use super::lights::{Attenuation, Light, Spot};
+use super::projection::Projection;
 use super::random::Random;
 use super::solid::Solid;
 use super::suns::{self, SkyLight, Source, Sun};
 use super::world::WorldSettings;
-use crate::bsp::{Bsp, Entity};
+use crate::bsp::{Bsp, Entity, MipTex};
 use crate::{Error, Result};
 use glam::Vec3;
 use std::collections::BTreeSet;
+use std::sync::Arc;
 
 /// The most lights that a scene may have, copies included.
 const LIGHT_LIMIT: usize = 1 << 20;
@@ -98,13 +100,15 @@ fn is_light(entity: &Entity) -> bool {
 pub(crate) fn read(
     entities: &[Entity],
     bsp: &Bsp,
+    textures: &[MipTex],
     world: &WorldSettings,
     warnings: &mut Vec<String>,
     not_simulated: &mut BTreeSet<String>,
 ) -> Vec<Draft> {
     let mut drafts = Vec::new();
     for (index, entity) in entities.iter().enumerate().filter(|(_, e)| is_light(e)) {
-        let mut reader = Reader { entity, bsp, place: String::new(), warnings, not_simulated };
+        let mut reader =
+            Reader { entity, bsp, textures, place: String::new(), warnings, not_simulated };
         let origin = entity.setting("origin").and_then(keys::vector).unwrap_or(Vec3::ZERO);
         reader.place = format!("light at {} {} {}", origin.x, origin.y, origin.z);
         drafts.push(reader.read(index as u32, origin, world));
@@ -116,6 +120,7 @@ pub(crate) fn read(
 struct Reader<'a> {
     entity: &'a Entity,
     bsp: &'a Bsp,
+    textures: &'a [MipTex],
     place: String,
     warnings: &'a mut Vec<String>,
     not_simulated: &'a mut BTreeSet<String>,
@@ -161,9 +166,10 @@ impl Reader<'_> {
             brightness /= samples as f32;
         }
         let attenuation = self.attenuation(delay);
-        if attenuation.is_none() || self.is_out_of_scope() {
+        if attenuation.is_none() || self.is_off() {
             brightness = 0.0;
         }
+        let channel_mask = self.entity.setting("light_channel_mask").map_or(1, keys::integer);
         let outer_angle = self
             .number("cone")
             .map(|radius| radius * 2.0)
@@ -188,7 +194,12 @@ impl Reader<'_> {
                     outer: 0.0,
                     inner: 0.0,
                 }),
-                channel_mask: self.entity.setting("light_channel_mask").map_or(1, keys::integer),
+                projection: self.projection(),
+                channel_mask,
+                shadow_mask: self
+                    .entity
+                    .setting("shadow_channel_mask")
+                    .map_or(channel_mask, keys::integer),
                 dirt: DirtKeys::read(self.entity, &world.dirt),
                 entity: index,
             },
@@ -242,20 +253,22 @@ impl Reader<'_> {
         })
     }
 
-    /// Whether the light is off, or of a kind that is not simulated.
-    fn is_out_of_scope(&mut self) -> bool {
-        if self.entity.setting("project_texture").is_some_and(|t| !t.is_empty()) {
-            self.not_simulated
-                .insert("light _project_texture: projected textures not simulated yet".into());
-            return true;
+    /// The picture that the light projects.
+    fn projection(&mut self) -> Option<Arc<Projection>> {
+        match Projection::read(self.entity, self.bsp, self.textures) {
+            Ok(picture) => picture.map(Arc::new),
+            Err(problem) => {
+                self.warn(&format!("{problem}; it shines without a picture"));
+                None
+            }
         }
-        if self.entity.setting("switchableshadow_target").is_some_and(|t| !t.is_empty()) {
-            self.not_simulated.insert(
-                "light _switchableshadow_target: switchable shadows not simulated yet".into(),
-            );
-            return true;
-        }
+    }
+
+    /// Whether the light does not shine by itself.
+    fn is_off(&self) -> bool {
+        // Such a light only names the shadow that its style switches.
         self.flag("nostaticlight")
+            || self.entity.setting("switchableshadow_target").is_some_and(|t| !t.is_empty())
     }
 
     fn template(&mut self, world: &WorldSettings) -> Option<Template> {
@@ -318,7 +331,8 @@ pub(crate) fn finish(
             sky.push(source);
             continue;
         }
-        if !draft.no_nudge && draft.light.channel_mask == 1 {
+        let default_channel = draft.light.channel_mask == 1 && draft.light.shadow_mask == 1;
+        if !draft.no_nudge && default_channel {
             match solid.freed(draft.light.origin, NUDGE) {
                 Some(origin) => draft.light.origin = origin,
                 None => stuck.push(draft.light.origin),

@@ -1,7 +1,9 @@
 //! Lights as plain data, ready to shine: what [`crate::light`] evaluates.
 
 use super::dirt::DirtKeys;
+use super::projection::Projection;
 use glam::Vec3;
+use std::sync::Arc;
 
 /// How light falls off with distance. The numbers are those of the `delay` key.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -56,8 +58,12 @@ pub struct Light {
     pub style: u16,
     /// Cone, for spotlights.
     pub spot: Option<Spot>,
+    /// Picture that it projects.
+    pub projection: Option<Arc<Projection>>,
     /// Channels; faces without a common channel are not lit.
     pub channel_mask: i32,
+    /// Channels of the surfaces that cast shadow in its light.
+    pub shadow_mask: i32,
     /// What it asks of dirt.
     pub dirt: DirtKeys,
     /// Index of the entity that it comes from.

@@ -4,8 +4,11 @@ mod build;
 mod dirt;
 mod entity_lights;
 pub(crate) mod exact;
+mod filter;
 mod first_hit;
+mod hull;
 mod keys;
+mod light_rays;
 pub mod lights;
 pub mod luxels;
 mod materials;
@@ -14,6 +17,7 @@ mod models;
 mod neighbours;
 mod overrides;
 mod phong;
+mod projection;
 mod radiosity_lights;
 mod random;
 mod shadow;
@@ -23,6 +27,7 @@ mod solid;
 mod suns;
 mod surface;
 mod surface_lights;
+mod texels;
 mod tie;
 mod tracer;
 mod wander;
@@ -30,10 +35,13 @@ mod world;
 
 pub use build::SceneSettings;
 pub use dirt::{DirtKeys, DirtSettings};
+pub use filter::Filters;
+pub use light_rays::{Arrival, LightRays};
 pub use lights::Light;
 pub use luxels::Sample;
 pub use minlight::{Glow, Minlight};
 pub use models::{AutoMinlight, Model, ShadowClass};
+pub use projection::Projection;
 pub use radiosity_lights::{EmissiveQuality, RadiosityLight, SurflightSettings};
 pub use shadow::ShadowRays;
 pub use sidecar::Sidecar;
@@ -63,10 +71,12 @@ pub struct Scene {
     pub emitters: Vec<Emitter>,
     /// What worldspawn sets for the whole map.
     pub world: WorldSettings,
-    /// The surfaces that block light.
+    /// The surfaces that block all light.
     pub tracer: Tracer,
     /// Index in `surfaces` of each polygon of `tracer`.
     pub tracer_surface: Vec<u32>,
+    /// What blocks some light, or changes it.
+    pub filters: Filters,
     /// Solid space of the brush models.
     pub solid: Solid,
     /// What the map asks for that is not simulated, one sentence each, sorted.

@@ -4,30 +4,22 @@ use super::keys;
 use super::phong::DEFAULT_ANGLE;
 use crate::bsp::{self, Bsp, Entity};
 use glam::Vec3;
-use std::collections::BTreeSet;
 
 /// Which rays the faces of a model block.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ShadowClass {
     /// The world: all rays.
     World,
-    /// `_switchableshadow`: rays of style 0 move to another style. Not simulated yet.
+    /// `_switchableshadow`: rays of style 0 move to another style.
     Switchable,
     /// `_shadow`: all rays.
     Shadow,
-    /// `_shadowself`: rays to the same model. Not simulated yet.
+    /// `_shadowself`: rays to the same model.
     ShadowSelf,
-    /// `_shadowworldonly`: rays to the world. Not simulated yet.
+    /// `_shadowworldonly`: rays to the world.
     ShadowWorldOnly,
     /// None.
     None,
-}
-
-impl ShadowClass {
-    /// Whether the model blocks light as far as that is simulated.
-    pub fn casts(self) -> bool {
-        matches!(self, Self::World | Self::Shadow)
-    }
 }
 
 /// A brush model; index 0 is the world.
@@ -37,6 +29,12 @@ pub struct Model {
     pub offset: Vec3,
     /// Which rays its faces block.
     pub shadow: ShadowClass,
+    /// Rays to other models pass, whatever the class (`_shadowself`).
+    pub shadow_self: bool,
+    /// Rays to anything but the world pass, whatever the class (`_shadowworldonly`).
+    pub shadow_world_only: bool,
+    /// Light style of its switchable shadow, 0 without.
+    pub switch_style: u16,
     /// Opacity, 0 to 1, if the entity gives one.
     pub alpha: Option<f32>,
     /// Channels of light that its faces receive.
@@ -81,6 +79,9 @@ impl Model {
         Self {
             offset: Vec3::ZERO,
             shadow: ShadowClass::World,
+            shadow_self: false,
+            shadow_world_only: false,
+            switch_style: 0,
             alpha: None,
             channel_mask: 1,
             light_ignore: false,
@@ -96,29 +97,25 @@ impl Model {
         }
     }
 
-    /// Whether faces of the model go into the ray tracer.
+    /// Whether the model casts a shadow of any kind. One in other channels always does.
     pub fn casts(&self) -> bool {
-        self.shadow.casts() && self.channel_mask == 1
+        self.shadow != ShadowClass::None || self.channel_mask != 1
+    }
+
+    /// Style that light of style 0 moves to when it crosses the model, if the shadow is switchable.
+    pub(crate) fn switchable(&self) -> Option<u16> {
+        (self.shadow == ShadowClass::Switchable).then_some(self.switch_style)
     }
 }
 
-/// Keys of brush models whose effect is not simulated yet.
-const NOT_SIMULATED: [(&str, &str); 2] = [
-    ("shadowself", "shadows on the model itself"),
-    ("shadowworldonly", "shadows on the world only"),
-];
-
 /// The models of a map, from the entities that own them.
-pub(crate) fn read(
-    bsp: &Bsp,
-    entities: &[Entity],
-    warnings: &mut Vec<String>,
-    not_simulated: &mut BTreeSet<String>,
-) -> Vec<Model> {
-    let switched: Vec<&str> = entities
+pub(crate) fn read(bsp: &Bsp, entities: &[Entity], warnings: &mut Vec<String>) -> Vec<Model> {
+    // Lights that only switch the shadow of the models that they name.
+    let switches: Vec<(&str, u16)> = entities
         .iter()
-        .filter_map(|e| e.setting("switchableshadow_target"))
-        .filter(|t| !t.is_empty())
+        .filter(|e| e.classname().starts_with("light"))
+        .filter_map(|e| Some((e.setting("switchableshadow_target")?, style(e, "style"))))
+        .filter(|(target, _)| !target.is_empty())
         .collect();
     let mut owners = vec![None; bsp.models.len()];
     for entity in entities {
@@ -137,36 +134,12 @@ pub(crate) fn read(
                 let angle = world.and_then(|w| w.setting("phong_angle")).and_then(keys::number);
                 Model { phong_angle: whole_angle(angle.unwrap_or(0.0)), ..Model::world() }
             }
-            Some(entity) => {
-                for (key, effect) in NOT_SIMULATED {
-                    if entity.setting(key).and_then(keys::number).is_some_and(|v| v != 0.0) {
-                        not_simulated
-                            .insert(format!("brush model _{key}: {effect} not simulated yet"));
-                    }
-                }
-                brush_model(entity, entities, &switched, &bsp.models[index])
-            }
+            Some(entity) => brush_model(entity, entities, &switches, &bsp.models[index]),
             None => {
                 orphans.push(format!("*{index}"));
                 Model { shadow: ShadowClass::None, ..Model::world() }
             }
         });
-        let model = &models[index];
-        if model.shadow == ShadowClass::Switchable {
-            not_simulated.insert(
-                "brush model _switchableshadow: switchable shadows not simulated yet".into(),
-            );
-        }
-        if model.channel_mask != 1 {
-            not_simulated.insert(
-                "brush model _object_channel_mask: shadows in other channels not simulated yet"
-                    .into(),
-            );
-        }
-        if model.casts() && bsp.models[index].face_count == 0 {
-            not_simulated
-                .insert("brush model without faces: its shadow is not simulated yet".into());
-        }
     }
     if !orphans.is_empty() {
         warnings.push(format!(
@@ -177,6 +150,11 @@ pub(crate) fn read(
     models
 }
 
+/// A light style in a key, 0 without.
+fn style(entity: &Entity, name: &str) -> u16 {
+    entity.setting(name).map_or(0, |s| keys::integer(s).clamp(0, 65534) as u16)
+}
+
 /// An angle as the reference keeps it: a whole number of degrees in a byte.
 fn whole_angle(degrees: f32) -> f32 {
     degrees.round_ties_even().clamp(0.0, 255.0)
@@ -185,7 +163,7 @@ fn whole_angle(degrees: f32) -> f32 {
 fn brush_model(
     entity: &Entity,
     entities: &[Entity],
-    switched: &[&str],
+    switches: &[(&str, u16)],
     record: &bsp::Model,
 ) -> Model {
     let number = |name: &str| entity.setting(name).and_then(keys::number);
@@ -195,11 +173,13 @@ fn brush_model(
     let probe = target
         .and_then(|t| entities.iter().find(|e| e.get("targetname") == Some(t)))
         .map(|e| e.setting("origin").and_then(keys::vector).unwrap_or(Vec3::ZERO));
-    let shadow = if on("switchableshadow") || switched.contains(&name) {
+    let switch = switches.iter().find(|(target, _)| *target == name);
+    let shadow_self = on("shadowself") || on("selfshadow");
+    let shadow = if on("switchableshadow") || switch.is_some() {
         ShadowClass::Switchable
     } else if on("shadow") {
         ShadowClass::Shadow
-    } else if on("shadowself") || on("selfshadow") {
+    } else if shadow_self {
         ShadowClass::ShadowSelf
     } else if on("shadowworldonly") {
         ShadowClass::ShadowWorldOnly
@@ -209,6 +189,9 @@ fn brush_model(
     Model {
         offset: entity.setting("origin").and_then(keys::vector).unwrap_or(Vec3::ZERO),
         shadow,
+        shadow_self,
+        shadow_world_only: on("shadowworldonly"),
+        switch_style: switch.map_or_else(|| style(entity, "switchshadstyle"), |s| s.1),
         alpha: number("alpha").map(|a| a.clamp(0.0, 1.0)),
         channel_mask: entity.setting("object_channel_mask").map_or(1, keys::integer),
         light_ignore: entity.setting("lightignore").is_some_and(keys::boolean),

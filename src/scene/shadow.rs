@@ -80,10 +80,43 @@ impl<'a> ShadowRays<'a> {
     }
 
     /// Whether the rays a hair beside a ray are all blocked.
-    fn blocked_beside(&mut self, start: DVec3, way: DVec3) -> bool {
+    pub(super) fn blocked_beside(&mut self, start: DVec3, way: DVec3) -> bool {
         let (a, b) = way.normalize_or_zero().any_orthonormal_pair();
         let mut blocked = |side: DVec3| self.contact(start + side * BESIDE, way) != Contact::None;
         blocked(a) && blocked(-a) && blocked(b) && blocked(-b)
+    }
+
+    /// Every polygon on the way 0 < t <= 1, in no order: where, which and how it is met.
+    pub(super) fn crossings(
+        &mut self,
+        start: DVec3,
+        way: DVec3,
+        found: &mut Vec<(f64, u32, Contact)>,
+    ) {
+        let nodes = self.tracer.nodes();
+        let slabs = Slabs::new(start.as_vec3(), way.as_vec3());
+        found.clear();
+        self.stack.clear();
+        if !nodes.is_empty() {
+            self.stack.push(0);
+        }
+        while let Some(node) = self.stack.pop() {
+            let node = &nodes[node as usize];
+            if !slabs.meet(node.min, node.max) {
+                continue;
+            }
+            if node.count == 0 {
+                self.stack.extend([node.first + 1, node.first]);
+                continue;
+            }
+            for slot in node.first..node.first + node.count {
+                let (corners, _, polygon) = self.tracer.polygon(slot);
+                let (contact, t) = meet(corners, start, way);
+                if contact != Contact::None {
+                    found.push((t, polygon, contact));
+                }
+            }
+        }
     }
 
     pub(super) fn corners(&self, polygon: u32) -> &'a [Vec3] {

@@ -1,6 +1,7 @@
 //! One surface a BSP face: its polygon, material and luxel grid.
 
 use super::minlight::Minlight;
+use super::tracer::Polygon;
 use crate::photometry::Reflectance;
 use glam::{Vec2, Vec3, Vec4};
 
@@ -11,8 +12,12 @@ pub enum Role {
     Solid,
     /// Blocks light and sends nothing back.
     Sky,
-    /// Neither blocks nor reflects (liquids, models without shadow, and for now fences and glass), but
-    /// receives light when it is lightmapped.
+    /// Stops some light and lets some pass (fences, glass, and faces of models that cast shadow in
+    /// special ways or channels), and sends nothing back. Bounced light passes through it.
+    Filter,
+    /// Neither blocks nor reflects (liquids and models without shadow).
+    ///
+    /// Whatever their role, surfaces receive light when they are lightmapped.
     Ghost,
 }
 
@@ -81,6 +86,9 @@ pub struct Surface {
     pub reflects: bool,
     /// What it does to light.
     pub role: Role,
+    /// Share of light that takes on the colour of the surface when it passes through glass, 0 to 1;
+    /// 1 is no glass.
+    pub opacity: f32,
     /// Lit from behind as well (liquids).
     pub two_sided: bool,
     /// Receives no light from lights, suns and bounces.
@@ -99,4 +107,16 @@ pub struct Surface {
     pub colour_scale: f32,
     /// Luxels, for faces that get a lightmap.
     pub luxels: Option<LuxelGrid>,
+}
+
+impl Surface {
+    /// The surface for the ray tracer, without repeated corners; `None` if too few are left.
+    pub(crate) fn polygon(&self) -> Option<Polygon> {
+        let mut vertices = self.vertices.clone();
+        vertices.dedup();
+        while vertices.len() > 1 && vertices.first() == vertices.last() {
+            vertices.pop();
+        }
+        (vertices.len() >= 3).then_some(Polygon { vertices, normal: self.normal })
+    }
 }

@@ -1,0 +1,176 @@
+//! Rays between lit points and lights, with everything that blocks, tints or re-routes light on the
+//! way (contract sections 6.5 and 7.3 to 7.6).
+
+use super::Scene;
+use super::exact::length;
+use super::filter::{Effect, Ray};
+use super::shadow::{Contact, ShadowRays};
+use super::tie;
+use glam::Vec3;
+
+/// Light that gets through.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Arrival {
+    /// Its colour after the glass on its way.
+    pub colour: Vec3,
+    /// Where light of style 0 belongs instead, because it crossed a switchable shadow caster.
+    pub style: Option<u16>,
+}
+
+impl Arrival {
+    /// The style of light that was of style `style`.
+    pub fn style_of(&self, style: u16) -> u16 {
+        if style == 0 { self.style.unwrap_or(0) } else { style }
+    }
+}
+
+/// Traces rays from points of one brush model.
+pub struct LightRays<'a> {
+    scene: &'a Scene,
+    opaque: ShadowRays<'a>,
+    filters: ShadowRays<'a>,
+    receiver: Option<u32>,
+    /// Filters that the last ray crosses: where, which and how.
+    crossed: Vec<(f64, u32, Contact)>,
+}
+
+/// A straight way of light.
+#[derive(Clone, Copy)]
+struct Way {
+    from: Vec3,
+    /// Unit direction.
+    direction: Vec3,
+    reach: f32,
+}
+
+impl<'a> LightRays<'a> {
+    /// Rays for points of brush model `receiver`; `None` for points in free space.
+    pub fn new(scene: &'a Scene, receiver: Option<u32>) -> Self {
+        Self {
+            scene,
+            opaque: ShadowRays::new(&scene.tracer),
+            filters: ShadowRays::new(scene.filters.tracer()),
+            receiver,
+            crossed: Vec::new(),
+        }
+    }
+
+    /// Rays traced so far.
+    pub fn rays(&self) -> u64 {
+        self.opaque.rays()
+    }
+
+    /// What arrives at `at` of light of `colour` that sets out from `light` in the channels `mask`;
+    /// `None` if something opaque is between. The ends count as in [`ShadowRays::blocked`].
+    pub fn between(&mut self, at: Vec3, light: Vec3, mask: i32, colour: Vec3) -> Option<Arrival> {
+        // What always blocks is of channel 1.
+        if mask & 1 == 0 {
+            self.opaque.rays += 1;
+        } else if self.opaque.blocked(at, light) {
+            return None;
+        }
+        if !self.scene.has_filters() {
+            return Some(Arrival { colour, style: None });
+        }
+        let to_light = light - at;
+        let reach = length(to_light);
+        self.filtered(Way { from: at, direction: to_light / reach, reach }, mask, colour)
+    }
+
+    /// What arrives at `at` of light of `colour` from far away in the unit direction `direction`,
+    /// and through which sky surface; `None` if the first thing on the way is no sky.
+    pub fn from_sky(&mut self, at: Vec3, direction: Vec3, colour: Vec3) -> Option<(u32, Arrival)> {
+        /// Length of the rays, in world units.
+        const SKY_DISTANCE: f32 = 1_000_000.0;
+        let hit = self.opaque.first_hit(at, direction, SKY_DISTANCE)?;
+        let surface = self.scene.tracer_surface[hit.polygon as usize];
+        if self.scene.surfaces[surface as usize].role != super::Role::Sky {
+            return None;
+        }
+        if !self.scene.has_filters() {
+            return Some((surface, Arrival { colour, style: None }));
+        }
+        let way = Way { from: at, direction, reach: hit.distance };
+        Some((surface, self.filtered(way, 1, colour)?))
+    }
+
+    /// Distance to the first thing other than sky that blocks light in the channels `mask`, at most
+    /// `reach`, for dirt.
+    pub fn room(&mut self, at: Vec3, direction: Vec3, reach: f32, mask: i32) -> f32 {
+        let hit = if mask & 1 == 0 {
+            None
+        } else {
+            self.opaque.first_hit_as_reference(at, direction, reach)
+        };
+        let end = hit.map_or(reach, |h| h.distance.min(reach));
+        let is_sky = hit.is_some_and(|h| {
+            let surface = self.scene.tracer_surface[h.polygon as usize];
+            self.scene.surfaces[surface as usize].role == super::Role::Sky
+        });
+        let open = if is_sky { reach } else { end };
+        if !self.scene.has_filters() {
+            return open;
+        }
+        let mut crossed = std::mem::take(&mut self.crossed);
+        self.find_crossed(Way { from: at, direction, reach: end }, &mut crossed);
+        let first = crossed.iter().map(|&(t, polygon, _)| (end * t as f32, polygon)).find(
+            |&(distance, polygon)| {
+                let point = at + direction * distance;
+                let ray = Ray { point, direction, mask, receiver: self.receiver };
+                self.scene.filters.effect(polygon, &ray, &self.scene.models) == Effect::Block
+            },
+        );
+        self.crossed = crossed;
+        first.map_or(open, |f| f.0)
+    }
+
+    /// What the filters on a way leave of light, in order along it.
+    fn filtered(&mut self, way: Way, mask: i32, colour: Vec3) -> Option<Arrival> {
+        let mut arrival = Arrival { colour, style: None };
+        let mut crossed = std::mem::take(&mut self.crossed);
+        self.find_crossed(way, &mut crossed);
+        let mut passes = true;
+        for &(t, polygon, _) in &crossed {
+            let ray = Ray {
+                point: way.from + way.direction * (f64::from(way.reach) * t) as f32,
+                direction: way.direction,
+                mask,
+                receiver: self.receiver,
+            };
+            match self.scene.filters.effect(polygon, &ray, &self.scene.models) {
+                Effect::Block => {
+                    passes = false;
+                    break;
+                }
+                Effect::Pass => {}
+                Effect::Style(style) => arrival.style = Some(style),
+                Effect::Tint(tint, opacity) => {
+                    let tinted = arrival.colour * tint;
+                    arrival.colour = arrival.colour * (1.0 - opacity) + tinted * opacity;
+                }
+            }
+        }
+        self.crossed = crossed;
+        passes.then_some(arrival)
+    }
+
+    /// The filters on a way, nearest first. One that the ray meets at its very edge counts where the
+    /// reference has it, or where the rays a hair beside are in a filter too.
+    fn find_crossed(&mut self, way: Way, crossed: &mut Vec<(f64, u32, Contact)>) {
+        let start = way.from.as_dvec3();
+        let whole = way.direction.as_dvec3() * f64::from(way.reach);
+        self.filters.crossings(start, whole, crossed);
+        let mut seam = None;
+        crossed.retain(|&(_, polygon, contact)| {
+            contact == Contact::Inside
+                || tie::blocked_along(
+                    self.filters.corners(polygon),
+                    way.from,
+                    way.direction,
+                    way.reach,
+                )
+                || *seam.get_or_insert_with(|| self.filters.blocked_beside(start, whole))
+        });
+        crossed.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+    }
+}
