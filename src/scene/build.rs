@@ -10,6 +10,7 @@ use super::models::{self, Model, ShadowClass};
 use super::neighbours::Neighbours;
 use super::overrides;
 use super::phong::{Smoothing, Wish};
+use super::rad;
 use super::radiosity_lights::{self, Emissive};
 use super::random::Random;
 use super::shape::{AREA_EPS, LuxelMap, Shape, area_and_centre};
@@ -68,9 +69,11 @@ impl Scene {
         let mut not_simulated = BTreeSet::new();
         let mut entities = parse_entities(&bsp.entities)?;
         normalise(&mut entities)?;
-        let nothing = Entity::default();
-        let worldspawn =
-            overrides::apply(entities.first().unwrap_or(&nothing), &settings.overrides);
+        if entities.is_empty() {
+            entities.push(Entity::default());
+        }
+        entities.extend(rad::entities(sidecar.rad.unwrap_or(""), &mut warnings));
+        let worldspawn = overrides::apply(&entities[0], &settings.overrides);
         let mut world = WorldSettings::read(&worldspawn, &mut warnings, &mut not_simulated);
         let mut keys = sidecar::texinfo_keys(
             sidecar.texinfo,
@@ -97,14 +100,8 @@ impl Scene {
             .warn(surfaces.iter().filter(|s| s.reflects).filter_map(|s| s.texture), &mut warnings);
 
         let smoothing = Smoothing::new(bsp, &shapes, &wishes);
-        let mut drafts = entity_lights::read(
-            &entities,
-            bsp,
-            &settings.textures,
-            &world,
-            &mut warnings,
-            &mut not_simulated,
-        );
+        let mut drafts =
+            entity_lights::read(&entities, bsp, &settings.textures, &world, &mut warnings);
         let colours: Vec<Vec3> = surfaces.iter().map(|s| materials.colour(s.texture)).collect();
         let light_faces = Faces {
             bsp,

@@ -13,7 +13,6 @@ use super::world::WorldSettings;
 use crate::bsp::{Bsp, Entity, MipTex};
 use crate::{Error, Result};
 use glam::Vec3;
-use std::collections::BTreeSet;
 use std::sync::Arc;
 
 /// The most lights that a scene may have, copies included.
@@ -96,19 +95,17 @@ fn is_light(entity: &Entity) -> bool {
     entity.classname().starts_with("light")
 }
 
-/// Reads the light entities, whose switchable styles are already set. What is asked for but not simulated goes to `not_simulated`.
+/// Reads the light entities, whose switchable styles are already set.
 pub(crate) fn read(
     entities: &[Entity],
     bsp: &Bsp,
     textures: &[MipTex],
     world: &WorldSettings,
     warnings: &mut Vec<String>,
-    not_simulated: &mut BTreeSet<String>,
 ) -> Vec<Draft> {
     let mut drafts = Vec::new();
     for (index, entity) in entities.iter().enumerate().filter(|(_, e)| is_light(e)) {
-        let mut reader =
-            Reader { entity, bsp, textures, place: String::new(), warnings, not_simulated };
+        let mut reader = Reader { entity, bsp, textures, place: String::new(), warnings };
         let origin = entity.setting("origin").and_then(keys::vector).unwrap_or(Vec3::ZERO);
         reader.place = format!("light at {} {} {}", origin.x, origin.y, origin.z);
         drafts.push(reader.read(index as u32, origin, world));
@@ -123,7 +120,6 @@ struct Reader<'a> {
     textures: &'a [MipTex],
     place: String,
     warnings: &'a mut Vec<String>,
-    not_simulated: &'a mut BTreeSet<String>,
 }
 
 impl Reader<'_> {

@@ -18,6 +18,7 @@ mod neighbours;
 mod overrides;
 mod phong;
 mod projection;
+mod rad;
 mod radiosity_lights;
 mod random;
 mod shadow;

@@ -5,13 +5,15 @@ use glam::Vec3;
 use serde_json::Value;
 use std::collections::BTreeSet;
 
-/// Text of the sidecar files, as far as they exist.
+/// Text of the files beside a map, as far as they exist.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Sidecar<'a> {
     /// `<map>.texinfo.json`.
     pub texinfo: Option<&'a str>,
     /// `<map>.content.json`.
     pub content: Option<&'a str>,
+    /// `lights.rad` and `<map>.rad`, one after the other.
+    pub rad: Option<&'a str>,
 }
 
 /// Keys of one texinfo; the defaults stand for "not given".
