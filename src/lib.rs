@@ -97,7 +97,8 @@ pub fn light_bsp(
     };
     let indirect = stage::gather(sources, &samples, settings, progress);
     let counts = Counts::new(&scene, &direct, &patches, &transfers, &bounced, &indirect);
-    let faces = lightmap::finish_faces(&scene, &samples, direct, indirect.maps);
+    let probes = stage::probes(&scene, &patches, &samples, &bounced, settings);
+    let faces = lightmap::finish_faces(&scene, &samples, direct, indirect.maps, &probes);
     let packed = lightmap::pack(&faces)?;
     bsp.set_lighting(packed.mono, &packed.faces);
     let rgb = packed.coloured.then_some(packed.rgb);

@@ -22,7 +22,9 @@ pub fn run(cli: &Cli, path: &Path, visible: bool) -> anyhow::Result<()> {
     let textures = textures(cli, path, &bsp)?;
     let texinfo = sidecar(path, "texinfo.json")?;
     let content = sidecar(path, "content.json")?;
-    let sidecar = Sidecar { texinfo: texinfo.as_deref(), content: content.as_deref() };
+    let rad = rad_files(path)?;
+    let sidecar =
+        Sidecar { texinfo: texinfo.as_deref(), content: content.as_deref(), rad: Some(&rad) };
     let progress = Progress::new(visible);
     let lit = light_bsp(&mut bsp, sidecar, textures.clone(), &settings, &progress)
         .with_context(|| path.display().to_string())?;
@@ -65,6 +67,18 @@ fn sidecar(map: &Path, extension: &str) -> anyhow::Result<Option<String>> {
         Err(e) if e.kind() == std::io::ErrorKind::NotFound => Ok(None),
         Err(e) => Err(e).with_context(|| format!("cannot read {}", path.display())),
     }
+}
+
+/// Texture lights: `lights.rad` in the current folder or else beside the map, then `<map>.rad`.
+fn rad_files(map: &Path) -> anyhow::Result<String> {
+    let common = [PathBuf::from("lights.rad"), map.with_file_name("lights.rad")];
+    let common = common.into_iter().find(|p| p.is_file());
+    let mut text = String::new();
+    for path in common.into_iter().chain(Some(map.with_extension("rad")).filter(|p| p.is_file())) {
+        text.push_str(&String::from_utf8_lossy(&read(&path)?));
+        text.push('\n');
+    }
+    Ok(text)
 }
 
 /// Textures of the WAD files given as options, and of those that worldspawn names if the map lacks

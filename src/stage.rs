@@ -1,6 +1,6 @@
 //! The stages of a map run: each calls one room, over all faces, and shows its progress.
 
-use crate::light::{self, DirectLight, StyleLight};
+use crate::light::{self, DirectLight, Probe, StyleLight};
 use crate::lightmap;
 use crate::patch::MapPatches;
 use crate::progress::Progress;
@@ -105,4 +105,15 @@ pub(crate) fn gather(
     let how = (settings.gather, settings.hemicube);
     let (maps, hemicubes) = lightmap::indirect(sources, samples, how, |n| stage.advance(n));
     Gathered { maps, hemicubes }
+}
+
+/// Light in the middle of brush models, for automatic minimum light.
+pub(crate) fn probes(
+    scene: &Scene,
+    patches: &MapPatches,
+    samples: &[Vec<Sample>],
+    bounced: &Bounced,
+    settings: &Settings,
+) -> Vec<Option<Probe>> {
+    lightmap::probes(scene, patches, samples, &bounced.styles, settings.hemicube)
 }

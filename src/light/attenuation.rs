@@ -23,7 +23,7 @@ pub(crate) fn value(light: &Light, dist: f32, d: f32) -> f32 {
         Attenuation::Linear => (l + v).min(0.0),
         Attenuation::Inverse => l / (v / FULL_AT),
         Attenuation::InverseSquare => l / (v * v / (FULL_AT * FULL_AT)),
-        Attenuation::Infinite => l,
+        Attenuation::Infinite | Attenuation::LocalMinimum => l,
         Attenuation::InverseSquareOffset => {
             let w = v + FULL_AT;
             l / (w * w / (FULL_AT * FULL_AT))
@@ -53,6 +53,7 @@ mod tests {
             spot: None,
             projection: None,
             channel_mask: 1,
+            dirt: crate::scene::DirtKeys::default(),
             shadow_mask: 1,
             entity: 0,
         }

@@ -2,9 +2,18 @@
 //! before range scaling (contract sections 4.4 to 4.6). One file an effect.
 
 mod attenuation;
+mod dirt;
+mod minlight;
 mod point;
+mod probe;
+mod radiosity;
 mod spot;
 mod sun;
+
+pub use dirt::FaceDirt;
+pub use minlight::Probe;
+pub(crate) use minlight::wants_probe;
+pub(crate) use probe::{place as probe_place, probe};
 
 use crate::photometry::Irradiance;
 use crate::scene::exact::{brightness, distance, dot, length};
@@ -28,29 +37,81 @@ pub struct DirectLight {
     /// What negative lights take away, as negative irradiance. It is to be added last, after
     /// bounced and minimum light, and the sum then limited to 0 and up.
     pub negative: Vec<StyleLight>,
-    /// Shadow rays traced.
+    /// Minimum light of local lights, which does not bounce: see [`post`].
+    pub local_minimum: Vec<StyleLight>,
+    /// Dirt at the samples.
+    pub dirt: FaceDirt,
+    /// Rays traced.
     pub rays: u64,
 }
 
 /// Lights the samples of a surface.
 pub fn direct(scene: &Scene, surface: usize, samples: &[Sample]) -> DirectLight {
     let mut result = DirectLight::default();
+    if samples.is_empty() {
+        return result;
+    }
+    let mut rays = LightRays::new(scene, scene.surfaces[surface].model);
+    result.dirt = FaceDirt::trace(scene, surface, samples, &mut rays);
     let surface = &scene.surfaces[surface];
-    if surface.light_ignore || samples.is_empty() {
+    if surface.light_ignore {
         return result;
     }
     let sphere = BoundingSphere::of(surface);
-    let mut rays = LightRays::new(scene, surface.model);
+    let points = (samples, &result.dirt);
     for light in &scene.lights {
         let styles = if light.brightness > 0.0 { &mut result.styles } else { &mut result.negative };
-        light_surface(scene, light, surface, &sphere, samples, &mut rays, styles);
+        light_surface(scene, light, (surface, &sphere), points, &mut rays, styles);
     }
     for sun in &scene.suns {
         let styles = if sun.brightness > 0.0 { &mut result.styles } else { &mut result.negative };
-        sun::light_surface(scene, sun, surface, samples, &mut rays, styles);
+        sun::light_surface(scene, sun, surface, points, &mut rays, styles);
     }
+    for light in &scene.radiosity_lights {
+        let receiver = (surface, &sphere);
+        radiosity::light_surface(scene, light, receiver, points, &mut rays, &mut result.styles);
+    }
+    result.local_minimum = minlight::local(scene, surface, points, &result.styles, &mut rays);
     result.rays = rays.rays();
     result
+}
+
+/// What comes after bounced light, on the sum of all light of a surface: minimum light and then what
+/// negative lights take away. `probe` is the light at the middle of the surface's brush model. Tells
+/// whether all samples count as free, even those inside solid.
+pub(crate) fn post(
+    scene: &Scene,
+    surface: &Surface,
+    samples: &[Sample],
+    direct: &DirectLight,
+    probe: Option<&Probe>,
+    maps: &mut Vec<StyleLight>,
+) -> bool {
+    minlight::global(scene, surface, (samples, &direct.dirt), maps);
+    let free = minlight::automatic(surface, samples, probe, maps);
+    for negative in &direct.negative {
+        accumulate(maps, negative);
+    }
+    free
+}
+
+/// The direct light of a surface with the minimum light of local lights.
+pub(crate) fn with_local_minimum(scene: &Scene, direct: &mut DirectLight) -> Vec<StyleLight> {
+    let mut maps = std::mem::take(&mut direct.styles);
+    minlight::join_local(&scene.world, &mut maps, &direct.local_minimum);
+    maps
+}
+
+/// Adds `more` to the map of its style, which is made if it is not there.
+pub(crate) fn accumulate(maps: &mut Vec<StyleLight>, more: &StyleLight) {
+    match maps.iter_mut().find(|m| m.style == more.style) {
+        Some(map) => {
+            for (sum, e) in map.irradiance.iter_mut().zip(&more.irradiance) {
+                *sum += *e;
+            }
+        }
+        None => maps.push(more.clone()),
+    }
 }
 
 /// Direct light at a point with a unit normal that belongs to no surface: style and irradiance,
@@ -90,15 +151,14 @@ pub fn at(scene: &Scene, position: Vec3, normal: Vec3) -> Vec<(u16, Irradiance)>
 fn light_surface(
     scene: &Scene,
     light: &Light,
-    surface: &Surface,
-    sphere: &BoundingSphere,
-    samples: &[Sample],
+    (surface, sphere): (&Surface, &BoundingSphere),
+    (samples, dirt): (&[Sample], &FaceDirt),
     rays: &mut LightRays<'_>,
     styles: &mut Vec<StyleLight>,
 ) {
     let (dist, gate) = (scene.world.dist, scene.world.gate);
     let behind = distance(light.origin, surface.normal, surface.dist) < 0.0;
-    if behind && !light.bleed && !surface.two_sided
+    if behind && !light.bleed && !surface.two_sided && !surface.curved
         || sphere.is_out_of_reach(light, dist, gate)
         || light.channel_mask & surface.channel_mask == 0
     {
@@ -110,6 +170,8 @@ fn light_surface(
         else {
             continue;
         };
+        let away = length(light.origin - sample.position);
+        let colour = colour * dirt.factor(i, &light.dirt, away);
         if brightness(colour).abs() <= gate {
             continue;
         }

@@ -1,8 +1,8 @@
 //! Light of suns and sky domes (contract section 5.3).
 
-use super::{StyleLight, add};
+use super::{FaceDirt, StyleLight, add};
 use crate::scene::exact::{brightness, dot};
-use crate::scene::{Arrival, LightRays, Sample, Scene, Sun, Surface};
+use crate::scene::{Arrival, DirtKeys, LightRays, Sample, Scene, Sun, Surface};
 use glam::Vec3;
 
 /// Faces turned away from a sun by this much, as a cosine, are still lit by it.
@@ -35,17 +35,17 @@ pub(crate) fn light_surface(
     scene: &Scene,
     sun: &Sun,
     surface: &Surface,
-    samples: &[Sample],
+    (samples, dirt): (&[Sample], &FaceDirt),
     rays: &mut LightRays<'_>,
     styles: &mut Vec<StyleLight>,
 ) {
-    let curved = surface.phong_angle != 0.0;
     let behind = dot(sun.to_sun, surface.normal) < BEHIND;
-    if behind && !curved && !surface.two_sided || surface.channel_mask & 1 == 0 {
+    if behind && !surface.curved && !surface.two_sided || surface.channel_mask & 1 == 0 {
         return;
     }
+    let keys = DirtKeys::plain(sun.dirt.unwrap_or(scene.world.dirt.lights));
     for (i, sample) in samples.iter().enumerate().filter(|(_, s)| !s.occluded) {
-        let colour = unshadowed(sun, sample.normal, surface.two_sided);
+        let colour = unshadowed(sun, sample.normal, surface.two_sided) * dirt.factor(i, &keys, 0.0);
         if brightness(colour).abs() <= scene.world.gate {
             continue;
         }

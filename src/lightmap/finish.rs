@@ -93,7 +93,7 @@ fn brightness(c: Vec3) -> f32 {
 }
 
 /// Light units to levels, not yet limited to 255.
-fn scale(e: Irradiance, settings: FinishSettings) -> Vec3 {
+pub(super) fn scale(e: Irradiance, settings: FinishSettings) -> Vec3 {
     // `max` would keep -0 and drop NaN: both are wanted here.
     let mut c = e.0.max(Vec3::ZERO);
     if settings.max_light > 0.0 && c.max_element() > 2.0 * settings.max_light {

@@ -52,6 +52,7 @@ pub fn indirect(
         .zip(&sources.scene.surfaces)
         .map(|(samples, surface)| Face {
             samples: if surface.light_ignore { &[] } else { samples },
+            normal: surface.normal,
             width: surface.luxels.as_ref().map_or(1, |g| g.width as usize),
             light: vec![None; samples.len()],
         })
@@ -79,12 +80,19 @@ pub fn indirect(
 /// The luxels of a face while they are being filled.
 struct Face<'a> {
     samples: &'a [Sample],
+    normal: Vec3,
     width: usize,
     /// Irradiance in every style, where it is known by now.
     light: Vec<Option<Vec<DVec3>>>,
 }
 
 impl Face<'_> {
+    /// A luxel with a unit normal: blended normals of curved surfaces are shorter.
+    fn sample(&self, i: usize) -> Sample {
+        let sample = self.samples[i];
+        Sample { normal: sample.normal.normalize_or(self.normal), ..sample }
+    }
+
     /// Luxels that still need light.
     fn missing(&self) -> impl Iterator<Item = usize> + '_ {
         let free = self.samples.iter().enumerate().filter(|(_, s)| !s.occluded);
@@ -127,7 +135,7 @@ fn interpolate(sources: Sources<'_>, known: &Interpolator, faces: &mut [Face<'_>
             let candidates = known.candidates(face.samples);
             for i in missing {
                 let mut light = Vec::new();
-                if known.at(shadows, &face.samples[i], &candidates, &mut light) {
+                if known.at(shadows, &face.sample(i), &candidates, &mut light) {
                     face.light[i] = Some(light);
                 }
             }
@@ -165,7 +173,7 @@ impl Drawn<'_> {
                         face.missing().filter(|i| wanted(i % width, i / width)).collect();
                     here.into_iter()
                         .map(|i| {
-                            let sample = &face.samples[i];
+                            let sample = face.sample(i);
                             let seed = (number as u64) << 32 | i as u64;
                             gatherer.look(&View::turned(sample.position, sample.normal, seed));
                             let mut light = Vec::new();

@@ -6,9 +6,11 @@ mod finish;
 mod indirect;
 mod interpolate;
 mod pack;
+mod probes;
 
 pub use atlas::dump;
 pub use faces::finish_faces;
 pub use finish::{FinishSettings, FinishedFace, FinishedStyle, finish};
 pub use indirect::{Gather, Sources, indirect};
 pub use pack::{Packed, pack};
+pub use probes::probes;

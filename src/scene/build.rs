@@ -3,13 +3,18 @@
 use super::Scene;
 use super::entity_lights;
 use super::filter::Filters;
+use super::lights::Attenuation;
 use super::materials::Materials;
+use super::minlight::Minlight;
 use super::models::{self, Model, ShadowClass};
 use super::neighbours::Neighbours;
 use super::overrides;
+use super::phong::{Smoothing, Wish};
+use super::rad;
+use super::radiosity_lights::{self, Emissive};
 use super::random::Random;
 use super::shape::{AREA_EPS, LuxelMap, Shape, area_and_centre};
-use super::sidecar::{self, Sidecar, TexInfoKeys};
+use super::sidecar::{self, Sidecar, SurflightKeys, TexInfoKeys};
 use super::solid::Solid;
 use super::suns;
 use super::surface::{LuxelGrid, Role, Surface};
@@ -64,11 +69,13 @@ impl Scene {
         let mut not_simulated = BTreeSet::new();
         let mut entities = parse_entities(&bsp.entities)?;
         normalise(&mut entities)?;
-        let nothing = Entity::default();
-        let worldspawn =
-            overrides::apply(entities.first().unwrap_or(&nothing), &settings.overrides);
-        let world = WorldSettings::read(&worldspawn, &mut warnings, &mut not_simulated);
-        let keys = sidecar::texinfo_keys(
+        if entities.is_empty() {
+            entities.push(Entity::default());
+        }
+        entities.extend(rad::entities(sidecar.rad.unwrap_or(""), &mut warnings));
+        let worldspawn = overrides::apply(&entities[0], &settings.overrides);
+        let mut world = WorldSettings::read(&worldspawn, &mut warnings, &mut not_simulated);
+        let mut keys = sidecar::texinfo_keys(
             sidecar.texinfo,
             bsp.texinfos.len(),
             &mut warnings,
@@ -77,26 +84,24 @@ impl Scene {
         let contents: Vec<i32> = bsp.leafs.iter().map(|l| l.contents).collect();
         let leaf_solid = sidecar::solid_leafs(sidecar.content, &contents, &mut warnings);
         let solid = Solid::new(bsp, leaf_solid);
-        let models = models::read(bsp, &entities, &mut warnings, &mut not_simulated);
+        let models = models::read(bsp, &entities, &mut warnings);
 
         let materials = Materials::new(bsp, settings);
-        let mut faces = FaceReader::new(bsp, &models, &keys, &materials, world.luxel_size);
+        smooth_models(bsp, &models, &mut keys);
+        let mut faces = FaceReader::new(bsp, &models, &keys, &materials, &world);
         for face in 0..bsp.faces.len() {
             faces.read(face)?;
         }
         faces.warn(&mut warnings);
-        let FaceReader { surfaces, shapes, luxel_maps, names, groups, .. } = faces;
+        let FaceReader {
+            mut surfaces, shapes, luxel_maps, names, groups, wishes, emissive, ..
+        } = faces;
         materials
             .warn(surfaces.iter().filter(|s| s.reflects).filter_map(|s| s.texture), &mut warnings);
 
-        let mut drafts = entity_lights::read(
-            &entities,
-            bsp,
-            &settings.textures,
-            &world,
-            &mut warnings,
-            &mut not_simulated,
-        );
+        let smoothing = Smoothing::new(bsp, &shapes, &wishes);
+        let mut drafts =
+            entity_lights::read(&entities, bsp, &settings.textures, &world, &mut warnings);
         let colours: Vec<Vec3> = surfaces.iter().map(|s| materials.colour(s.texture)).collect();
         let light_faces = Faces {
             bsp,
@@ -109,9 +114,23 @@ impl Scene {
             area_lights: settings.area_lights,
         };
         let emitters = surface_lights::add_copies(&mut drafts, &light_faces, &mut warnings)?;
+        world.dirt.in_use |= drafts.iter().any(|d| d.light.dirt.wanted);
+        let (mut radiosity_lights, glows) = radiosity_lights::build(
+            &drafts,
+            &light_faces,
+            &Emissive { keys: &emissive, world: &world, entities: &entities, solid: &solid },
+        );
+        if settings.area_lights {
+            radiosity_lights.clear();
+        }
+        for (surface, glow) in surfaces.iter_mut().zip(glows) {
+            surface.minlight.glow = glow;
+        }
         let mut random = Random::new();
         let (lights, sky) =
             entity_lights::finish(drafts, &entities, &world, &solid, &mut random, &mut warnings)?;
+        let (local_minlights, lights) =
+            lights.into_iter().partition(|l| l.attenuation == Attenuation::LocalMinimum);
         let suns = suns::make(&worldspawn, &world, &sky, &mut random)?;
 
         let (tracer, tracer_surface) = build_tracer(&surfaces);
@@ -120,6 +139,8 @@ impl Scene {
             surfaces,
             models,
             lights,
+            local_minlights,
+            radiosity_lights,
             suns,
             emitters,
             world,
@@ -130,9 +151,25 @@ impl Scene {
             not_simulated: not_simulated.into_iter().collect(),
             warnings,
             shapes,
-            neighbours: Neighbours::new(bsp),
+            neighbours: Neighbours::new(bsp, &smoothing),
+            smoothing,
             luxel_maps,
         })
+    }
+}
+
+/// Brush models that ask for smoothing do so for the texinfos of their faces, and so for other faces
+/// with the same texinfo.
+fn smooth_models(bsp: &Bsp, models: &[Model], keys: &mut [TexInfoKeys]) {
+    for (model, record) in models.iter().zip(&bsp.models).filter(|(m, _)| m.phong_angle != 0.0) {
+        let first = record.first_face as usize;
+        let range = first..first.saturating_add(record.face_count as usize);
+        for face in bsp.faces.get(range).unwrap_or(&[]) {
+            let texinfo = usize::try_from(face.texinfo).ok();
+            if let Some(keys) = texinfo.and_then(|t| keys.get_mut(t)) {
+                keys.phong_angle = model.phong_angle;
+            }
+        }
     }
 }
 
@@ -157,13 +194,15 @@ struct FaceReader<'a> {
     models: &'a [Model],
     keys: &'a [TexInfoKeys],
     materials: &'a Materials,
-    luxel_size: u32,
+    world: &'a WorldSettings,
     owners: Vec<Option<u32>>,
     surfaces: Vec<Surface>,
     shapes: Vec<Shape>,
     luxel_maps: Vec<Option<LuxelMap>>,
     names: Vec<String>,
     groups: Vec<i32>,
+    wishes: Vec<Wish>,
+    emissive: Vec<SurflightKeys>,
     luxel_count: u64,
     degenerate: Problem,
     bad_axes: Problem,
@@ -175,7 +214,7 @@ impl<'a> FaceReader<'a> {
         models: &'a [Model],
         keys: &'a [TexInfoKeys],
         materials: &'a Materials,
-        luxel_size: u32,
+        world: &'a WorldSettings,
     ) -> Self {
         let mut owners = vec![None; bsp.faces.len()];
         for (index, model) in bsp.models.iter().enumerate() {
@@ -190,13 +229,15 @@ impl<'a> FaceReader<'a> {
             models,
             keys,
             materials,
-            luxel_size,
+            world,
             owners,
             surfaces: Vec::new(),
             shapes: Vec::new(),
             luxel_maps: Vec::new(),
             names: Vec::new(),
             groups: Vec::new(),
+            wishes: Vec::new(),
+            emissive: Vec::new(),
             luxel_count: 0,
             degenerate: Problem::default(),
             bad_axes: Problem::default(),
@@ -248,6 +289,8 @@ impl<'a> FaceReader<'a> {
         let texture = texinfo.and_then(|t| u32::try_from(t.miptex).ok());
         let reflects =
             role == Role::Solid && luxels.is_some() && !keys.no_bounce && !name.starts_with('*');
+        let special = texinfo.is_none_or(|t| t.flags & TEX_SPECIAL != 0);
+        let wish = Wish::new(keys, special);
         self.surfaces.push(Surface {
             vertices,
             normal: plane.normal,
@@ -263,11 +306,15 @@ impl<'a> FaceReader<'a> {
                 || model.and_then(|m| m.alpha).is_some_and(|a| a < 1.0),
             light_ignore: keys.light_ignore || model.is_some_and(|m| m.light_ignore),
             channel_mask: mask,
-            phong_angle: keys.phong_angle,
+            curved: wish.is_curved(),
+            no_dirt: model.and_then(|m| m.no_dirt).unwrap_or(keys.no_dirt) || name.starts_with('*'),
+            minlight: Minlight::of(keys, model, self.world),
             max_light: model.and_then(|m| m.max_light).unwrap_or(keys.max_light),
             colour_scale: model.and_then(|m| m.colour_scale).unwrap_or(keys.colour_scale),
             luxels,
         });
+        self.wishes.push(wish);
+        self.emissive.push(keys.surflight.clone());
         self.groups.push(keys.surflight_group);
         self.shapes.push(shape);
         self.luxel_maps.push(map);
@@ -284,9 +331,9 @@ impl<'a> FaceReader<'a> {
         vertices: &[Vec3],
     ) -> Option<(LuxelGrid, LuxelMap)> {
         let grid = || {
-            let extents = self.bsp.face_extents(face, self.luxel_size as f32).ok()?;
+            let extents = self.bsp.face_extents(face, self.world.luxel_size as f32).ok()?;
             let plane = self.bsp.face_plane(face);
-            let map = LuxelMap::new(texinfo, plane, extents.mins, self.luxel_size)?;
+            let map = LuxelMap::new(texinfo, plane, extents.mins, self.world.luxel_size)?;
             let [s_row, t_row] = map.rows_at(offset);
             let [s_step, t_step] = map.steps();
             let [width, height] = extents.size;

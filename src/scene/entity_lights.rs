@@ -1,6 +1,7 @@
 //! From light entities to [`Light`]s (contract sections 4.1 to 4.3): reading the keys, then
 //! surface copies, jitter copies, targets, cones and nudging, in the reference's order.
 
+use super::dirt::DirtKeys;
 use super::exact::{length, normalize, radians};
 use super::keys;
 use super::lights::{Attenuation, Light, Spot};
@@ -12,11 +13,12 @@ use super::world::WorldSettings;
 use crate::bsp::{Bsp, Entity, MipTex};
 use crate::{Error, Result};
 use glam::Vec3;
-use std::collections::BTreeSet;
 use std::sync::Arc;
 
 /// The most lights that a scene may have, copies included.
 const LIGHT_LIMIT: usize = 1 << 20;
+/// How far a light may be moved out of solid, in world units.
+const NUDGE: f32 = 2.0;
 
 /// A light entity while the list of lights is being made.
 #[derive(Clone, Debug)]
@@ -63,10 +65,16 @@ pub(crate) struct Template {
     pub spotlight: bool,
     /// Applies to faces of the same group.
     pub group: i32,
-    /// The faces emit themselves; no copies are placed.
-    pub area: bool,
-    /// The light has a colour of its own, which replaces that of the texture in area light.
+    /// The faces shine in the manner of radiosity; no copies are placed.
+    pub radiosity: bool,
+    /// The light has a colour of its own, which replaces that of the texture.
     pub has_colour: bool,
+    /// Takes the colour of worldspawn's `sky_surface` rather than that of the texture.
+    pub is_sky: bool,
+    /// The faces shine alike in all directions.
+    pub all_around: bool,
+    /// Share of the brightness that the faces glow with.
+    pub minlight_scale: f32,
 }
 
 impl Draft {
@@ -87,19 +95,17 @@ fn is_light(entity: &Entity) -> bool {
     entity.classname().starts_with("light")
 }
 
-/// Reads the light entities, whose switchable styles are already set. What is asked for but not simulated goes to `not_simulated`.
+/// Reads the light entities, whose switchable styles are already set.
 pub(crate) fn read(
     entities: &[Entity],
     bsp: &Bsp,
     textures: &[MipTex],
     world: &WorldSettings,
     warnings: &mut Vec<String>,
-    not_simulated: &mut BTreeSet<String>,
 ) -> Vec<Draft> {
     let mut drafts = Vec::new();
     for (index, entity) in entities.iter().enumerate().filter(|(_, e)| is_light(e)) {
-        let mut reader =
-            Reader { entity, bsp, textures, place: String::new(), warnings, not_simulated };
+        let mut reader = Reader { entity, bsp, textures, place: String::new(), warnings };
         let origin = entity.setting("origin").and_then(keys::vector).unwrap_or(Vec3::ZERO);
         reader.place = format!("light at {} {} {}", origin.x, origin.y, origin.z);
         drafts.push(reader.read(index as u32, origin, world));
@@ -114,7 +120,6 @@ struct Reader<'a> {
     textures: &'a [MipTex],
     place: String,
     warnings: &'a mut Vec<String>,
-    not_simulated: &'a mut BTreeSet<String>,
 }
 
 impl Reader<'_> {
@@ -153,7 +158,7 @@ impl Reader<'_> {
             (deviance, samples) = (0.0, 1);
         }
         // Delay 0 and 6 are not divided: the contract's Q21.
-        if matches!(delay, 1 | 2 | 3 | 5) {
+        if matches!(delay, 1 | 2 | 3 | 5) || delay == 4 && world.add_min {
             brightness /= samples as f32;
         }
         let attenuation = self.attenuation(delay);
@@ -191,6 +196,7 @@ impl Reader<'_> {
                     .entity
                     .setting("shadow_channel_mask")
                     .map_or(channel_mask, keys::integer),
+                dirt: DirtKeys::read(self.entity, &world.dirt),
                 entity: index,
             },
             template: self.template(world),
@@ -233,11 +239,7 @@ impl Reader<'_> {
             1 => Attenuation::Inverse,
             2 => Attenuation::InverseSquare,
             3 => Attenuation::Infinite,
-            4 => {
-                self.not_simulated
-                    .insert("light delay 4: local minimum light not simulated yet".into());
-                return None;
-            }
+            4 => Attenuation::LocalMinimum,
             5 => Attenuation::InverseSquareOffset,
             6 => Attenuation::InverseSquareClamped,
             _ => {
@@ -276,8 +278,16 @@ impl Reader<'_> {
             offset: if offset == 0.0 { 2.0 } else { offset },
             spotlight: raw("_surface_spotlight") != 0.0,
             group: self.entity.setting("surflight_group").map_or(0, keys::integer),
-            area: mode != 0,
+            radiosity: mode != 0,
             has_colour: self.entity.setting("color").is_some(),
+            is_sky: raw("_surface_is_sky") != 0.0,
+            all_around: self
+                .entity
+                .get("_surface_spotlight")
+                .is_some_and(|v| !v.is_empty() && keys::integer(v) == 0),
+            minlight_scale: self
+                .number("surflight_minlight_scale")
+                .unwrap_or(world.surflight.minlight_scale),
         })
     }
 }
@@ -318,8 +328,11 @@ pub(crate) fn finish(
             continue;
         }
         let default_channel = draft.light.channel_mask == 1 && draft.light.shadow_mask == 1;
-        if !draft.no_nudge && default_channel && !nudge(&mut draft.light, solid) {
-            stuck.push(draft.light.origin);
+        if !draft.no_nudge && default_channel {
+            match solid.freed(draft.light.origin, NUDGE) {
+                Some(origin) => draft.light.origin = origin,
+                None => stuck.push(draft.light.origin),
+            }
         }
         lights.push(draft.light);
     }
@@ -456,20 +469,4 @@ fn aim(draft: &mut Draft, entities: &[Entity], world: &WorldSettings, warnings: 
         draft.light.attenuation =
             Attenuation::Falloff((f64::from(target_distance) + radius) as f32);
     }
-}
-
-/// Moves a light that is inside the world two units along the first axis that frees it; false if
-/// none does.
-fn nudge(light: &mut Light, solid: &Solid) -> bool {
-    if !solid.contains(0, light.origin) {
-        return true;
-    }
-    let steps = [Vec3::X, Vec3::Y, Vec3::Z].into_iter().flat_map(|axis| [axis * -2.0, axis * 2.0]);
-    for step in steps {
-        if !solid.contains(0, light.origin + step) {
-            light.origin += step;
-            return true;
-        }
-    }
-    false
 }

@@ -20,6 +20,21 @@ impl ShadowRays<'_> {
     /// The first polygon within `reach` of `from` in the unit direction `direction`, from either
     /// side. One through `from` itself is not met.
     pub fn first_hit(&mut self, from: Vec3, direction: Vec3, reach: f32) -> Option<Hit> {
+        self.first(from, direction, reach, true)
+    }
+
+    /// The same, but rays that meet edges go where the reference lets them, through seams too. For
+    /// the many short rays of dirt, of which single ones do not matter to an eye.
+    pub(crate) fn first_hit_as_reference(
+        &mut self,
+        from: Vec3,
+        direction: Vec3,
+        reach: f32,
+    ) -> Option<Hit> {
+        self.first(from, direction, reach, false)
+    }
+
+    fn first(&mut self, from: Vec3, direction: Vec3, reach: f32, tight: bool) -> Option<Hit> {
         self.rays += 1;
         let (start, way) = (from.as_dvec3(), direction.as_dvec3() * f64::from(reach));
         let mut meetings = self.meetings(start, way);
@@ -31,7 +46,8 @@ impl ShadowRays<'_> {
             let beyond = meetings.edges[i + 1..].iter().chain(&meetings.inside).map(|m| m.0);
             let next = beyond.filter(|b| *b > t * SAME).fold(f64::INFINITY, f64::min);
             if tie::blocked_along(self.corners(polygon), from, direction, reach)
-                || *beside.get_or_insert_with(|| self.beside(start, way)) < (t + next) * 0.5
+                || tight
+                    && *beside.get_or_insert_with(|| self.beside(start, way)) < (t + next) * 0.5
             {
                 first = Some((t, polygon));
                 break;

@@ -94,6 +94,36 @@ impl<'a> LightRays<'a> {
         Some((surface, self.filtered(way, 1, colour)?))
     }
 
+    /// Distance to the first thing other than sky that blocks light in the channels `mask`, at most
+    /// `reach`, for dirt.
+    pub fn room(&mut self, at: Vec3, direction: Vec3, reach: f32, mask: i32) -> f32 {
+        let hit = if mask & 1 == 0 {
+            None
+        } else {
+            self.opaque.first_hit_as_reference(at, direction, reach)
+        };
+        let end = hit.map_or(reach, |h| h.distance.min(reach));
+        let is_sky = hit.is_some_and(|h| {
+            let surface = self.scene.tracer_surface[h.polygon as usize];
+            self.scene.surfaces[surface as usize].role == super::Role::Sky
+        });
+        let open = if is_sky { reach } else { end };
+        if !self.scene.has_filters() {
+            return open;
+        }
+        let mut crossed = std::mem::take(&mut self.crossed);
+        self.find_crossed(Way { from: at, direction, reach: end }, &mut crossed);
+        let first = crossed.iter().map(|&(t, polygon, _)| (end * t as f32, polygon)).find(
+            |&(distance, polygon)| {
+                let point = at + direction * distance;
+                let ray = Ray { point, direction, mask, receiver: self.receiver };
+                self.scene.filters.effect(polygon, &ray, &self.scene.models) == Effect::Block
+            },
+        );
+        self.crossed = crossed;
+        first.map_or(open, |f| f.0)
+    }
+
     /// What the filters on a way leave of light, in order along it.
     fn filtered(&mut self, way: Way, mask: i32, colour: Vec3) -> Option<Arrival> {
         let mut arrival = Arrival { colour, style: None };

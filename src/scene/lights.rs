@@ -1,5 +1,6 @@
 //! Lights as plain data, ready to shine: what [`crate::light`] evaluates.
 
+use super::dirt::DirtKeys;
 use super::projection::Projection;
 use glam::Vec3;
 use std::sync::Arc;
@@ -17,6 +18,8 @@ pub enum Attenuation {
     InverseSquare,
     /// 3: none.
     Infinite,
+    /// 4: what the light sees is at least as bright as the light; listed apart from other lights.
+    LocalMinimum,
     /// 5: inverse square of distance plus 128.
     InverseSquareOffset,
     /// 6: inverse square in plain units, no nearer than 128.
@@ -61,6 +64,8 @@ pub struct Light {
     pub channel_mask: i32,
     /// Channels of the surfaces that cast shadow in its light.
     pub shadow_mask: i32,
+    /// What it asks of dirt.
+    pub dirt: DirtKeys,
     /// Index of the entity that it comes from.
     pub entity: u32,
 }

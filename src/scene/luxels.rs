@@ -10,7 +10,8 @@ use glam::Vec3;
 pub struct Sample {
     /// World position, one unit above the surface unless solid was in the way.
     pub position: Vec3,
-    /// Unit normal of the surface there.
+    /// Normal of the surface there: of unit length on flat surfaces, a blend of unit vectors on
+    /// curved ones.
     pub normal: Vec3,
     /// In solid or beyond the surface: receives no light, and is filled from its neighbours.
     pub occluded: bool,
@@ -27,6 +28,7 @@ pub fn place(scene: &Scene, surface: usize, extra: u32) -> Vec<Sample> {
     let wanderer = Wanderer {
         shapes: &scene.shapes,
         neighbours: &scene.neighbours,
+        smoothing: (face.curved && scene.world.phong).then_some(&scene.smoothing),
         luxels: map,
         in_solid: |model, p: Vec3| sample_in_solid(scene, model as usize, p),
     };

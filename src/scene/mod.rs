@@ -1,6 +1,7 @@
 //! What light needs of a map: surfaces with materials, the ray tracer, the lights and the luxels.
 
 mod build;
+mod dirt;
 mod entity_lights;
 pub(crate) mod exact;
 mod filter;
@@ -11,10 +12,14 @@ mod light_rays;
 pub mod lights;
 pub mod luxels;
 mod materials;
+mod minlight;
 mod models;
 mod neighbours;
 mod overrides;
+mod phong;
 mod projection;
+mod rad;
+mod radiosity_lights;
 mod random;
 mod shadow;
 mod shape;
@@ -30,12 +35,15 @@ mod wander;
 mod world;
 
 pub use build::SceneSettings;
+pub use dirt::{DirtKeys, DirtSettings};
 pub use filter::Filters;
 pub use light_rays::{Arrival, LightRays};
 pub use lights::Light;
 pub use luxels::Sample;
-pub use models::{Model, ShadowClass};
+pub use minlight::{Glow, Minlight};
+pub use models::{AutoMinlight, Model, ShadowClass};
 pub use projection::Projection;
+pub use radiosity_lights::{EmissiveQuality, RadiosityLight, SurflightSettings};
 pub use shadow::ShadowRays;
 pub use sidecar::Sidecar;
 pub use solid::Solid;
@@ -54,6 +62,10 @@ pub struct Scene {
     pub models: Vec<Model>,
     /// The lights that shine, copies included, in the order in which they are added up.
     pub lights: Vec<Light>,
+    /// Lights that keep the places they see from being darker than themselves.
+    pub local_minlights: Vec<Light>,
+    /// The surfaces that emit light from points over them.
+    pub radiosity_lights: Vec<RadiosityLight>,
     /// Suns and the suns that sky domes are made of, in the order in which they are added up.
     pub suns: Vec<Sun>,
     /// The surfaces that emit light as areas.
@@ -74,5 +86,6 @@ pub struct Scene {
     pub warnings: Vec<String>,
     shapes: Vec<shape::Shape>,
     neighbours: neighbours::Neighbours,
+    smoothing: phong::Smoothing,
     luxel_maps: Vec<Option<shape::LuxelMap>>,
 }

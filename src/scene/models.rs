@@ -1,9 +1,9 @@
 //! Brush models as light sees them (contract sections 6.6 and 7.1).
 
 use super::keys;
-use crate::bsp::{Bsp, Entity};
+use super::phong::DEFAULT_ANGLE;
+use crate::bsp::{self, Bsp, Entity};
 use glam::Vec3;
-use std::collections::BTreeSet;
 
 /// Which rays the faces of a model block.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -45,6 +45,33 @@ pub struct Model {
     pub max_light: Option<f32>,
     /// Saturation of light received, if the entity gives one.
     pub colour_scale: Option<f32>,
+    /// Whether its faces get no dirt, if the entity says so.
+    pub no_dirt: Option<bool>,
+    /// Smoothing angle in degrees for all its faces; 0 leaves them as they are.
+    pub phong_angle: f32,
+    /// Minimum light of its faces, in light units, if the entity gives it.
+    pub minlight: Option<f32>,
+    /// Colour of that light, 0 to 255 a channel.
+    pub minlight_colour: Option<Vec3>,
+    /// Whether minimum light is mottled.
+    pub minlight_mottle: Option<bool>,
+    /// Automatic minimum light.
+    pub auto_minlight: AutoMinlight,
+    /// Point that automatic minimum light is taken from, unless an entity gives it: the middle of
+    /// the model's box, without its offset.
+    pub centre: Vec3,
+}
+
+/// When the luxels of a brush model take on the light at its middle.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum AutoMinlight {
+    /// Luxels inside solid, which nothing else lights.
+    #[default]
+    Occluded,
+    /// All luxels.
+    All,
+    /// Never.
+    Off,
 }
 
 impl Model {
@@ -60,6 +87,13 @@ impl Model {
             light_ignore: false,
             max_light: None,
             colour_scale: None,
+            no_dirt: None,
+            phong_angle: 0.0,
+            minlight: None,
+            minlight_colour: None,
+            minlight_mottle: None,
+            auto_minlight: AutoMinlight::Off,
+            centre: Vec3::ZERO,
         }
     }
 
@@ -74,22 +108,8 @@ impl Model {
     }
 }
 
-/// Keys of brush models whose effect is not simulated yet.
-const NOT_SIMULATED: [(&str, &str); 5] = [
-    ("minlight", "minimum light"),
-    ("dirt", "dirt"),
-    ("phong", "smoothed normals"),
-    ("phong_angle", "smoothed normals"),
-    ("autominlight", "automatic minimum light"),
-];
-
 /// The models of a map, from the entities that own them.
-pub(crate) fn read(
-    bsp: &Bsp,
-    entities: &[Entity],
-    warnings: &mut Vec<String>,
-    not_simulated: &mut BTreeSet<String>,
-) -> Vec<Model> {
+pub(crate) fn read(bsp: &Bsp, entities: &[Entity], warnings: &mut Vec<String>) -> Vec<Model> {
     // Lights that only switch the shadow of the models that they name.
     let switches: Vec<(&str, u16)> = entities
         .iter()
@@ -109,16 +129,12 @@ pub(crate) fn read(
     let mut models = Vec::with_capacity(owners.len());
     for (index, owner) in owners.into_iter().enumerate() {
         models.push(match owner {
-            _ if index == 0 => Model::world(),
-            Some(entity) => {
-                for (key, effect) in NOT_SIMULATED {
-                    if entity.setting(key).and_then(keys::number).is_some_and(|v| v != 0.0) {
-                        not_simulated
-                            .insert(format!("brush model _{key}: {effect} not simulated yet"));
-                    }
-                }
-                brush_model(entity, &switches)
+            _ if index == 0 => {
+                let world = entities.first();
+                let angle = world.and_then(|w| w.setting("phong_angle")).and_then(keys::number);
+                Model { phong_angle: whole_angle(angle.unwrap_or(0.0)), ..Model::world() }
             }
+            Some(entity) => brush_model(entity, entities, &switches, &bsp.models[index]),
             None => {
                 orphans.push(format!("*{index}"));
                 Model { shadow: ShadowClass::None, ..Model::world() }
@@ -139,10 +155,24 @@ fn style(entity: &Entity, name: &str) -> u16 {
     entity.setting(name).map_or(0, |s| keys::integer(s).clamp(0, 65534) as u16)
 }
 
-fn brush_model(entity: &Entity, switches: &[(&str, u16)]) -> Model {
+/// An angle as the reference keeps it: a whole number of degrees in a byte.
+fn whole_angle(degrees: f32) -> f32 {
+    degrees.round_ties_even().clamp(0.0, 255.0)
+}
+
+fn brush_model(
+    entity: &Entity,
+    entities: &[Entity],
+    switches: &[(&str, u16)],
+    record: &bsp::Model,
+) -> Model {
     let number = |name: &str| entity.setting(name).and_then(keys::number);
     let on = |name: &str| number(name).is_some_and(|v| v > 0.0);
     let name = entity.get("targetname").unwrap_or("");
+    let target = entity.setting("autominlight_target").filter(|t| !t.is_empty());
+    let probe = target
+        .and_then(|t| entities.iter().find(|e| e.get("targetname") == Some(t)))
+        .map(|e| e.setting("origin").and_then(keys::vector).unwrap_or(Vec3::ZERO));
     let switch = switches.iter().find(|(target, _)| *target == name);
     let shadow_self = on("shadowself") || on("selfshadow");
     let shadow = if on("switchableshadow") || switch.is_some() {
@@ -167,5 +197,24 @@ fn brush_model(entity: &Entity, switches: &[(&str, u16)]) -> Model {
         light_ignore: entity.setting("lightignore").is_some_and(keys::boolean),
         max_light: number("maxlight"),
         colour_scale: number("lightcolorscale"),
+        no_dirt: number("dirt").map(|v| v == -1.0),
+        phong_angle: whole_angle(match number("phong_angle") {
+            Some(angle) if angle != 0.0 => angle,
+            _ if on("phong") => DEFAULT_ANGLE,
+            _ => 0.0,
+        }),
+        minlight: number("minlight"),
+        minlight_colour: ["minlight_color", "mincolor"]
+            .iter()
+            .find_map(|k| entity.setting(k).and_then(keys::colour)),
+        minlight_mottle: ["minlight_mottle", "minlightMottle"]
+            .iter()
+            .find_map(|k| entity.setting(k).map(keys::boolean)),
+        auto_minlight: match entity.setting("autominlight").map(keys::boolean) {
+            None => AutoMinlight::Occluded,
+            Some(true) => AutoMinlight::All,
+            Some(false) => AutoMinlight::Off,
+        },
+        centre: probe.unwrap_or((record.mins + record.maxs) * 0.5),
     }
 }

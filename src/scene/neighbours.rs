@@ -1,5 +1,6 @@
 //! Which face joins which across an edge (contract section 2.5).
 
+use super::phong::Smoothing;
 use crate::bsp::Bsp;
 
 /// For every edge of every face, the face that continues it smoothly.
@@ -11,8 +12,9 @@ pub(crate) struct Neighbours {
 
 impl Neighbours {
     /// Joins faces that share both vertices of an edge, run along it in opposite directions and lie
-    /// on the same side of the same plane. Faces that meet at a T do not join.
-    pub fn new(bsp: &Bsp) -> Self {
+    /// on the same side of the same plane or are smoothed together. Faces that meet at a T do not
+    /// join.
+    pub fn new(bsp: &Bsp, smoothing: &Smoothing) -> Self {
         let mut directed = Vec::new();
         let mut first = vec![0];
         for face in 0..bsp.faces.len() {
@@ -35,9 +37,10 @@ impl Neighbours {
                     .take_while(|e| (e.0, e.1) == (b, a))
                     .map(|e| e.2)
                     .filter(|&other| other != face)
-                    .find(|&other| {
-                        let other = &bsp.faces[other as usize];
+                    .find(|&index| {
+                        let other = &bsp.faces[index as usize];
                         other.plane == this.plane && (other.side != 0) == (this.side != 0)
+                            || smoothing.joins(face, index)
                     })
             })
             .collect();

@@ -94,7 +94,7 @@ pub(crate) fn fraction_along(a: Vec3, b: Vec3, p: Vec3) -> f32 {
 }
 
 /// Normal of the largest triangle of the fan around the first corner; zero without area.
-fn largest_triangle_normal(v: &[Vec3]) -> Vec3 {
+pub(crate) fn largest_triangle_normal(v: &[Vec3]) -> Vec3 {
     let mut best = (0.0, Vec3::ZERO);
     for i in 2..v.len() {
         let cross = (v[i] - v[0]).cross(v[i - 1] - v[0]);

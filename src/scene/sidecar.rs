@@ -1,16 +1,19 @@
 //! The files that `qbsp` writes beside a map (contract section 1.5): `<map>.texinfo.json` with the
 //! keys of brush entities that the BSP cannot hold, and `<map>.content.json` with exact leaf contents.
 
+use glam::Vec3;
 use serde_json::Value;
 use std::collections::BTreeSet;
 
-/// Text of the sidecar files, as far as they exist.
+/// Text of the files beside a map, as far as they exist.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Sidecar<'a> {
     /// `<map>.texinfo.json`.
     pub texinfo: Option<&'a str>,
     /// `<map>.content.json`.
     pub content: Option<&'a str>,
+    /// `lights.rad` and `<map>.rad`, one after the other.
+    pub rad: Option<&'a str>,
 }
 
 /// Keys of one texinfo; the defaults stand for "not given".
@@ -40,6 +43,33 @@ pub struct TexInfoKeys {
     pub colour_scale: f32,
     /// Channels of light that the faces receive.
     pub channel_mask: Option<i32>,
+    /// Faces get no dirt.
+    pub no_dirt: bool,
+    /// Faces get no minimum light.
+    pub no_minlight: bool,
+    /// Minimum light in light units, at least 0.
+    pub minlight: Option<f32>,
+    /// Its colour, 0 to 255 a channel.
+    pub minlight_colour: Option<Vec3>,
+    /// What the faces say about the surface lights on them.
+    pub surflight: SurflightKeys,
+}
+
+/// What a texinfo says about the surface lights on its faces.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct SurflightKeys {
+    /// Whether the cosine laws at both ends are softened.
+    pub rescale: Option<bool>,
+    /// Light style.
+    pub style: Option<u16>,
+    /// Name whose switchable style is used, before `style`.
+    pub targetname: Option<String>,
+    /// Colour, 0 to 255 a channel, before that of the light and of the texture.
+    pub colour: Option<Vec3>,
+    /// Share of the brightness that the face glows with itself.
+    pub minlight_scale: Option<f32>,
+    /// Scale on distances.
+    pub attenuation: Option<f32>,
 }
 
 impl Default for TexInfoKeys {
@@ -57,18 +87,17 @@ impl Default for TexInfoKeys {
             max_light: 0.0,
             colour_scale: 1.0,
             channel_mask: None,
+            no_dirt: false,
+            no_minlight: false,
+            minlight: None,
+            minlight_colour: None,
+            surflight: SurflightKeys::default(),
         }
     }
 }
 
 /// Members that ask for an effect which is not simulated yet.
-const NOT_SIMULATED: [(&str, &str); 5] = [
-    ("minlight", "minimum light"),
-    ("phong_angle", "smoothed normals"),
-    ("phong_group", "smoothed normals"),
-    ("surflight_targetname", "switchable surface lights"),
-    ("world_units_per_luxel", "decoupled lightmaps"),
-];
+const NOT_SIMULATED: [(&str, &str); 1] = [("world_units_per_luxel", "decoupled lightmaps")];
 
 /// Keys per texinfo, `count` of them. An unusable text counts as absent and gives a warning, as in
 /// the reference; members that are not simulated are added to `not_simulated`.
@@ -121,6 +150,15 @@ fn read_keys(value: &Value) -> TexInfoKeys {
         value.get(name).and_then(Value::as_f64).map(|v| v as f32).filter(|v| v.is_finite())
     };
     let integer = |name: &str| value.get(name).and_then(Value::as_i64).map(|v| v as i32);
+    let colour = |name: &str| {
+        let channels = value.get(name)?.as_array()?;
+        let mut c = channels.iter().map(|v| v.as_f64().map(|v| v as f32));
+        match [c.next()??, c.next()??, c.next()??] {
+            [0.0, 0.0, 0.0] => None,
+            c => Some(Vec3::from(c)).filter(|c| c.is_finite()),
+        }
+    };
+    let name = value.get("surflight_targetname").and_then(Value::as_str).filter(|n| !n.is_empty());
     TexInfoKeys {
         no_shadow: flag("no_shadow").unwrap_or(false),
         no_bounce: flag("no_bounce").unwrap_or(false),
@@ -134,6 +172,18 @@ fn read_keys(value: &Value) -> TexInfoKeys {
         max_light: number("maxlight").unwrap_or(0.0),
         colour_scale: number("lightcolorscale").unwrap_or(1.0),
         channel_mask: integer("object_channel_mask"),
+        no_dirt: flag("no_dirt").unwrap_or(false),
+        no_minlight: flag("no_minlight").unwrap_or(false),
+        minlight: number("minlight"),
+        minlight_colour: colour("minlight_color"),
+        surflight: SurflightKeys {
+            rescale: flag("surflight_rescale"),
+            style: integer("surflight_style").map(|s| s.clamp(0, 65534) as u16),
+            targetname: name.map(str::to_owned),
+            colour: colour("surflight_color"),
+            minlight_scale: number("surflight_minlight_scale"),
+            attenuation: number("surflight_atten"),
+        },
     }
 }
 
@@ -182,12 +232,15 @@ mod tests {
 
     #[test]
     fn members_are_read_and_others_keep_their_defaults() {
-        let text = r#"{"0":{},"1":{"no_shadow":true,"phong_angle":89.0,"surflight_group":3}}"#;
+        let text = r#"{"0":{},"1":{"no_shadow":true,"phong_angle":89.0,"surflight_group":3,
+            "minlight":25,"minlight_color":[10,20,30],"world_units_per_luxel":8}}"#;
         let (keys, warnings, missing) = keys(text, 2);
         assert!(warnings.is_empty());
         assert_eq!(keys[0], TexInfoKeys::default());
         assert!(keys[1].no_shadow && keys[1].phong_angle == 89.0 && keys[1].surflight_group == 3);
-        assert_eq!(missing.len(), 1);
+        assert_eq!(keys[1].minlight, Some(25.0));
+        assert_eq!(keys[1].minlight_colour, Some(Vec3::new(10.0, 20.0, 30.0)));
+        assert_eq!(missing.len(), 1, "luxels of another size: {missing:?}");
     }
 
     #[test]

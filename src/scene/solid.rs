@@ -77,6 +77,14 @@ impl Solid {
         }
         false
     }
+
+    /// The point itself if it is not inside the world, else the first of the points `step` units away
+    /// along the axes that is not: low x, high x, low y, and so on.
+    pub fn freed(&self, point: Vec3, step: f32) -> Option<Vec3> {
+        let steps =
+            [Vec3::X, Vec3::Y, Vec3::Z].into_iter().flat_map(|axis| [axis * -step, axis * step]);
+        std::iter::once(Vec3::ZERO).chain(steps).map(|s| point + s).find(|p| !self.contains(0, *p))
+    }
 }
 
 #[cfg(test)]

@@ -1,5 +1,6 @@
 //! One surface a BSP face: its polygon, material and luxel grid.
 
+use super::minlight::Minlight;
 use super::tracer::Polygon;
 use crate::photometry::Reflectance;
 use glam::{Vec2, Vec3, Vec4};
@@ -94,8 +95,12 @@ pub struct Surface {
     pub light_ignore: bool,
     /// Channels of light that it receives, 1 by default.
     pub channel_mask: i32,
-    /// Largest angle in degrees over which normals are smoothed, 0 for flat. Not used yet.
-    pub phong_angle: f32,
+    /// Wants smoothed normals, so that light may reach it from behind its plane.
+    pub curved: bool,
+    /// Gets no dirt.
+    pub no_dirt: bool,
+    /// Minimum light.
+    pub minlight: Minlight,
     /// Cap on its luxels in levels at range 0.5; 0 is the world's cap.
     pub max_light: f32,
     /// Saturation of the light it receives, 0 (grey) to 1.

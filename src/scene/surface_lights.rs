@@ -72,12 +72,13 @@ pub(crate) fn add_copies(
             .iter()
             .filter(|(i, texture)| {
                 let group = drafts[*i].template.as_ref().map_or(0, |t| t.group);
-                *texture == faces.names[face] && group == faces.groups[face]
+                let radiosity = drafts[*i].template.as_ref().is_some_and(|t| t.radiosity);
+                *texture == faces.names[face]
+                    && group == faces.groups[face]
+                    && (faces.area_lights || !radiosity)
             })
             .map(|(i, _)| *i)
-            .partition(|&i| {
-                faces.area_lights || drafts[i].template.as_ref().is_some_and(|t| t.area)
-            });
+            .partition(|_| faces.area_lights);
         emitters.extend(area.iter().map(|&i| emitter(&drafts[i], face, faces.colours[face])));
         if matching.is_empty() {
             continue;

@@ -3,6 +3,7 @@
 
 use super::exact::{distance, length};
 use super::neighbours::Neighbours;
+use super::phong::Smoothing;
 use super::shape::{LuxelMap, POINT_EQ, Shape, fraction_along, inward_plane};
 use glam::Vec3;
 
@@ -24,6 +25,8 @@ pub(crate) struct Wanderer<'a, F> {
     pub shapes: &'a [Shape],
     /// How faces join.
     pub neighbours: &'a Neighbours,
+    /// Smoothed normals, if the face that the sample belongs to is curved.
+    pub smoothing: Option<&'a Smoothing>,
     /// Luxels of the face that the sample belongs to.
     pub luxels: &'a LuxelMap,
     /// Whether a point in the space of a brush model is in solid.
@@ -44,7 +47,7 @@ impl<F: Fn(u32, Vec3) -> bool> Wanderer<'_, F> {
         }
         let q = shape.lift(p);
         if shape.surrounds(q) {
-            return self.accept(shape, q);
+            return self.accept(face, q);
         }
         if hops < HOP_LIMIT {
             let neighbour = nearest_edge(shape, q).and_then(|e| self.neighbours.across(face, e));
@@ -55,15 +58,22 @@ impl<F: Fn(u32, Vec3) -> bool> Wanderer<'_, F> {
         let snapped = shape.nearest_on_boundary(q);
         let moved = self.luxels.luxel_of(q) - self.luxels.luxel_of(snapped);
         let moved = (moved.x * moved.x + moved.y * moved.y).sqrt();
-        if moved <= 1.0 { self.accept(shape, snapped + shape.normal) } else { occluded(q) }
+        if moved <= 1.0 { self.accept(face, snapped + shape.normal) } else { occluded(q) }
     }
 
     /// Takes a point over the face, or one of eight points around it, if it is not in solid.
-    fn accept(&self, shape: &Shape, p: Vec3) -> Placed {
-        let at = |position, occluded| Placed { position, normal: shape.normal, occluded };
+    fn accept(&self, face: usize, p: Vec3) -> Placed {
+        let shape = &self.shapes[face];
+        let flat = Placed { position: p, normal: shape.normal, occluded: true };
         let height = distance(p, shape.normal, shape.dist);
         let fits = (height - 1.0).abs() <= 0.1 && shape.surrounds(p);
-        let Some(model) = shape.model.filter(|_| fits) else { return at(p, true) };
+        let Some(model) = shape.model.filter(|_| fits) else { return flat };
+        let normal = match self.smoothing {
+            None => Some(shape.normal),
+            Some(smoothing) => smoothing.normal_at(face, shape, p),
+        };
+        let Some(normal) = normal else { return flat };
+        let at = |position, occluded| Placed { position, normal, occluded };
         if !(self.in_solid)(model, p) {
             return at(p, false);
         }

@@ -1,7 +1,10 @@
 //! Settings that the map's worldspawn makes for the whole scene (contract section 9.2).
 
+use super::dirt::DirtSettings;
 use super::keys;
+use super::radiosity_lights::SurflightSettings;
 use crate::bsp::Entity;
+use glam::Vec3;
 use std::collections::BTreeSet;
 
 /// Worldspawn settings. Any of them may be spelled with leading underscores.
@@ -23,8 +26,23 @@ pub struct WorldSettings {
     pub gate: f32,
     /// `surflight_subdivide`: size of the pieces of a light surface, in world units, 64 to 2048.
     pub surface_light_size: f32,
-    /// `surflight_radiosity`: mode of surface lights without their own; only 0 is simulated.
+    /// `surflight_radiosity`: mode of surface lights without their own: 0 places point
+    /// lights, 1 lights in the manner of radiosity.
     pub surface_light_mode: i32,
+    /// `addmin`: minimum light is added to other light instead of being the least.
+    pub add_min: bool,
+    /// `light`, `minlight`: minimum light everywhere, in light units.
+    pub minlight: f32,
+    /// `minlight_color`: its colour, 0 to 255 a channel.
+    pub minlight_colour: Vec3,
+    /// `minlight_mottle`: minimum light is mottled.
+    pub minlight_mottle: bool,
+    /// Dirt.
+    pub dirt: DirtSettings,
+    /// `phong`: normals are smoothed at all.
+    pub phong: bool,
+    /// Surface lights in the manner of radiosity.
+    pub surflight: SurflightSettings,
     /// `_lightmap_scale`: world units (texels) between luxels, 16 by default.
     pub luxel_size: u32,
 }
@@ -41,21 +59,20 @@ impl Default for WorldSettings {
             gate: 0.001,
             surface_light_size: 128.0,
             surface_light_mode: 0,
+            add_min: false,
+            minlight: 0.0,
+            minlight_colour: Vec3::splat(255.0),
+            minlight_mottle: false,
+            dirt: DirtSettings::default(),
+            phong: true,
+            surflight: SurflightSettings::default(),
             luxel_size: 16,
         }
     }
 }
 
 /// Keys that ask for effects not simulated yet, with the effect.
-const NOT_SIMULATED: [(&str, &str); 7] = [
-    ("light", "minimum light"),
-    ("minlight", "minimum light"),
-    ("dirt", "dirt"),
-    ("dirty", "dirt"),
-    ("phong_angle", "smoothed normals"),
-    ("surflight_radiosity", "radiosity surface lights"),
-    ("world_units_per_luxel", "decoupled lightmaps"),
-];
+const NOT_SIMULATED: [(&str, &str); 1] = [("world_units_per_luxel", "decoupled lightmaps")];
 
 impl WorldSettings {
     /// Reads the keys of worldspawn. Unusable values keep the default with a warning.
@@ -83,6 +100,18 @@ impl WorldSettings {
         set(&["maxlight"], 0.0, f32::MAX, &mut s.max_light);
         set(&["gate"], 0.0, f32::MAX, &mut s.gate);
         set(&["surflight_subdivide"], 64.0, 2048.0, &mut s.surface_light_size);
+        set(&["minlight", "light"], 0.0, f32::MAX, &mut s.minlight);
+        let flag =
+            |names: &[&str]| names.iter().any(|n| world.setting(n).is_some_and(keys::boolean));
+        s.add_min = flag(&["addmin"]);
+        s.minlight_mottle = flag(&["minlight_mottle", "minlightMottle"]);
+        s.minlight_colour = ["minlight_color", "mincolor"]
+            .iter()
+            .find_map(|k| world.setting(k).and_then(keys::colour))
+            .unwrap_or(s.minlight_colour);
+        s.phong = world.setting("phong").is_none_or(keys::boolean);
+        s.dirt = DirtSettings::read(world, &mut set);
+        s.surflight = SurflightSettings::read(world, &mut set);
         s.spotlight_auto_falloff = world.setting("spotlightautofalloff").is_some_and(keys::boolean);
         s.surface_light_mode = world.setting("surflight_radiosity").map_or(0, keys::integer);
         let luxel = world.setting("lightmap_scale").map_or(0, keys::integer);

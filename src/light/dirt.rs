@@ -1,0 +1,194 @@
+//! Dirt: light is weaker where surfaces are near, as if dirt gathered in corners (contract section
+//! 6.3). Rays into the half space over a luxel measure how much room it has.
+
+use crate::scene::exact::{dot, normalize, radians};
+use crate::scene::{DirtKeys, DirtSettings, LightRays, Sample, Scene, Surface};
+use glam::Vec3;
+use std::f64::consts::TAU;
+
+/// Azimuths of the fixed directions.
+const AZIMUTHS: u32 = 16;
+/// Elevations of the fixed directions at each azimuth.
+const ELEVATIONS: u32 = 3;
+
+/// Dirt at the samples of one surface.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct FaceDirt {
+    /// How much of the surroundings is near, 0 to 1, a sample; empty where there is no dirt.
+    occlusion: Vec<f32>,
+    gain: f32,
+    scale: f32,
+}
+
+impl FaceDirt {
+    /// Traces dirt at the samples of a surface. Samples inside solid have all of it.
+    pub(crate) fn trace(
+        scene: &Scene,
+        index: usize,
+        samples: &[Sample],
+        rays: &mut LightRays<'_>,
+    ) -> Self {
+        let settings = &scene.world.dirt;
+        let surface = &scene.surfaces[index];
+        if !settings.in_use || surface.no_dirt {
+            return Self::default();
+        }
+        let fixed = directions(settings);
+        let occlusion = samples
+            .iter()
+            .enumerate()
+            .map(|(i, sample)| {
+                if sample.occluded {
+                    1.0
+                } else if settings.random {
+                    let mut random = Sequence::new(index as u64, i as u64);
+                    let drawn = random_directions(settings, &mut random);
+                    occlusion(scene, surface, sample, &drawn, rays)
+                } else {
+                    occlusion(scene, surface, sample, &fixed, rays)
+                }
+            })
+            .collect();
+        Self { occlusion, gain: settings.gain, scale: settings.scale }
+    }
+
+    /// Share of the light of a consumer that dirt leaves at a sample, 0 to 1. `distance` is that of
+    /// the light, in world units; 0 for light without a place.
+    pub(crate) fn factor(&self, sample: usize, keys: &DirtKeys, distance: f32) -> f32 {
+        let Some(&occlusion) = self.occlusion.get(sample) else { return 1.0 };
+        if !keys.wanted || occlusion <= 0.0 {
+            return 1.0;
+        }
+        let or = |own: f32, world: f32| if own == 0.0 { world } else { own };
+        let mut dirt = occlusion.powf(or(keys.gain, self.gain)).min(1.0);
+        dirt = (dirt * or(keys.scale, self.scale)).min(1.0);
+        if let Some([off, on]) = keys.radii {
+            if distance < off {
+                dirt = 0.0;
+            } else if distance < on {
+                dirt *= (distance - off) / (on - off);
+            }
+        }
+        1.0 - dirt
+    }
+}
+
+/// Directions about the z axis, which stands for the normal, evenly spread. Angles are summed in
+/// single precision as in the reference, because rays along the axes of a map meet edges.
+fn directions(settings: &DirtSettings) -> Vec<Vec3> {
+    let azimuth_step = radians(360.0 / AZIMUTHS as f32) as f32;
+    let elevation_step = radians(settings.angle / ELEVATIONS as f32) as f32;
+    let mut directions = Vec::with_capacity((AZIMUTHS * ELEVATIONS) as usize);
+    let mut azimuth = 0.0_f32;
+    for _ in 0..AZIMUTHS {
+        let mut elevation = elevation_step * 0.5;
+        for _ in 0..ELEVATIONS {
+            directions.push(direction(azimuth.into(), elevation.into()));
+            elevation += elevation_step;
+        }
+        azimuth += azimuth_step;
+    }
+    directions
+}
+
+/// As many directions at random.
+fn random_directions(settings: &DirtSettings, random: &mut Sequence) -> Vec<Vec3> {
+    (0..AZIMUTHS * ELEVATIONS)
+        .map(|_| {
+            let azimuth = random.next() * TAU;
+            direction(azimuth, random.next() * radians(settings.angle))
+        })
+        .collect()
+}
+
+fn direction(azimuth: f64, elevation: f64) -> Vec3 {
+    let (sin, cos) = elevation.sin_cos();
+    Vec3::new((sin * azimuth.cos()) as f32, (sin * azimuth.sin()) as f32, cos as f32)
+}
+
+/// One minus the mean distance to what is around, relative to the depth of dirt.
+fn occlusion(
+    scene: &Scene,
+    surface: &Surface,
+    sample: &Sample,
+    directions: &[Vec3],
+    rays: &mut LightRays<'_>,
+) -> f32 {
+    let depth = scene.world.dirt.depth;
+    let (tangent, bitangent) = frame(sample.normal);
+    let (tangent, bitangent) = (normalize(tangent), normalize(bitangent));
+    let mut sum = 0.0;
+    for d in directions {
+        let way = bitangent * d.x + tangent * d.y + sample.normal * d.z;
+        sum += rays.room(sample.position, way, depth, surface.channel_mask);
+    }
+    1.0 - sum / directions.len() as f32 / depth
+}
+
+/// Two directions that span the plane across a normal (contract section 2.1), not of unit length.
+fn frame(n: Vec3) -> (Vec3, Vec3) {
+    let size = n.abs();
+    let axis = (1..3).fold(0, |a, i| if size[i] > size[a] { i } else { a });
+    let t = n.cross(Vec3::AXES[(axis + 1) % 3]);
+    let b = n.cross(Vec3::AXES[(axis + 2) % 3]);
+    if dot(t.cross(b), n) < 0.0 { (b, t) } else { (t, b) }
+}
+
+/// Numbers that depend on the surface and the sample alone: the outputs of SplitMix64 (G. Steele,
+/// D. Lea and C. Flood, "Fast splittable pseudorandom number generators", 2014).
+struct Sequence(u64);
+
+impl Sequence {
+    fn new(surface: u64, sample: u64) -> Self {
+        Self(surface << 32 ^ sample)
+    }
+
+    /// Next number in 0 to 1.
+    fn next(&mut self) -> f64 {
+        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+        ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn directions_are_unit_vectors_within_the_angle() {
+        let settings = DirtSettings { angle: 60.0, ..DirtSettings::default() };
+        let fixed = directions(&settings);
+        assert_eq!(fixed.len(), 48);
+        let drawn = random_directions(&settings, &mut Sequence::new(3, 4));
+        for d in fixed.iter().chain(&drawn) {
+            assert!((d.length() - 1.0).abs() < 1e-6 && d.z >= 0.5, "{d}");
+        }
+        assert!((fixed[1].z - 30_f32.to_radians().cos()).abs() < 1e-6);
+        assert_ne!(drawn, random_directions(&settings, &mut Sequence::new(3, 5)));
+    }
+
+    #[test]
+    fn frames_are_right_handed_and_across_the_normal() {
+        for n in [Vec3::X, -Vec3::Y, Vec3::Z, Vec3::new(0.6, 0.0, -0.8)] {
+            let (t, b) = frame(n);
+            assert!(t.dot(n).abs() < 1e-6 && b.dot(n).abs() < 1e-6 && t.cross(b).dot(n) > 0.0);
+        }
+    }
+
+    #[test]
+    fn factors_follow_gain_scale_and_radii() {
+        let dirt = FaceDirt { occlusion: vec![0.25, 0.0], gain: 1.0, scale: 2.0 };
+        let plain = DirtKeys::plain(true);
+        assert_eq!(dirt.factor(0, &plain, 0.0), 0.5);
+        assert_eq!(dirt.factor(1, &plain, 0.0), 1.0);
+        assert_eq!(dirt.factor(0, &DirtKeys::plain(false), 0.0), 1.0);
+        let own = DirtKeys { gain: 0.5, scale: 1.0, ..plain };
+        assert_eq!(dirt.factor(0, &own, 0.0), 0.5);
+        let ramp = DirtKeys { radii: Some([10.0, 20.0]), ..plain };
+        assert_eq!([5.0, 15.0, 30.0].map(|d| dirt.factor(0, &ramp, d)), [1.0, 0.75, 0.5]);
+        assert_eq!(FaceDirt::default().factor(0, &plain, 0.0), 1.0);
+    }
+}
