@@ -382,7 +382,7 @@ fn compare(map: &str, counts: impl Fn(u8) -> bool) -> Option<Agreement> {
     let bsp = Bsp::read(&std::fs::read(&path).unwrap()).unwrap();
     let texinfo = std::fs::read_to_string(path.with_extension("texinfo.json")).ok();
     let content = std::fs::read_to_string(path.with_extension("content.json")).ok();
-    let sidecar = Sidecar { texinfo: texinfo.as_deref(), content: content.as_deref() };
+    let sidecar = Sidecar { texinfo: texinfo.as_deref(), content: content.as_deref(), rad: None };
     let overrides = vec![("_sunlight_penumbra".to_owned(), "0".to_owned())];
     let settings = SceneSettings { overrides, ..SceneSettings::default() };
     let scene = Scene::build(&bsp, sidecar, &settings).unwrap();
@@ -392,7 +392,7 @@ fn compare(map: &str, counts: impl Fn(u8) -> bool) -> Option<Agreement> {
     let mut result = Agreement::default();
     for (face, (maps, samples)) in bake(&scene).iter().enumerate() {
         let surface = &scene.surfaces[face];
-        if surface.model != Some(0) || surface.phong_angle != 0.0 {
+        if surface.model != Some(0) || surface.curved {
             continue;
         }
         let theirs = |style: u8| {
