@@ -131,7 +131,7 @@ impl Scene {
             entity_lights::finish(drafts, &entities, &world, &solid, &mut random, &mut warnings)?;
         let (local_minlights, lights) =
             lights.into_iter().partition(|l| l.attenuation == Attenuation::LocalMinimum);
-        let suns = suns::make(&worldspawn, &world, &sky, &mut random);
+        let suns = suns::make(&worldspawn, &world, &sky, &mut random)?;
 
         let (tracer, tracer_surface) = build_tracer(&surfaces);
         let filters = Filters::new(bsp, &surfaces, &names, &models, settings, &mut warnings);

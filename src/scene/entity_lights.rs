@@ -402,10 +402,10 @@ pub(crate) fn check_light_count(count: usize) -> Result<()> {
         return Ok(());
     }
     Err(Error::Limit {
-        what: "number of lights, with the copies that _surface and _samples make".into(),
+        what: "number of lights, with the copies that _surface, _samples and skies make".into(),
         value: count as u64,
         limit: LIGHT_LIMIT as u64,
-        advice: "lower _samples or raise worldspawn _surflight_subdivide",
+        advice: "lower _samples or _sunsamples, or raise worldspawn _surflight_subdivide",
     })
 }
 

@@ -1,9 +1,11 @@
 //! Suns and sky domes: light from far away that comes through sky (contract sections 5.1 and 5.2).
 
+use super::entity_lights::check_light_count;
 use super::exact::normalize;
 use super::keys;
 use super::random::Random;
 use super::world::WorldSettings;
+use crate::Result;
 use crate::bsp::{Bsp, Entity};
 use glam::Vec3;
 use std::f32::consts::PI;
@@ -69,14 +71,19 @@ pub(crate) fn dirt(entity: &Entity, name: &str) -> Option<bool> {
 
 /// The suns of a map in the order in which they are added up: suns of entities, of worldspawn, domes
 /// of worldspawn, of entities.
+///
+/// # Errors
+/// If there are more suns than lights may be.
 pub(crate) fn make(
     worldspawn: &Entity,
     world: &WorldSettings,
     entities: &[Source],
     random: &mut Random,
-) -> Vec<Sun> {
-    let sky = WorldSky { entity: worldspawn, world };
+) -> Result<Vec<Sun>> {
+    // Each source makes at most one sun a sample, and one more in the zenith.
     let samples = worldspawn.setting("sunsamples").map_or(SAMPLES, keys::integer).clamp(8, 2048);
+    check_light_count(entities.len().saturating_mul(samples as usize + 1))?;
+    let sky = WorldSky { entity: worldspawn, world };
     let mut suns = Vec::new();
     for source in entities.iter().filter(|s| s.kind == SkyLight::Sun) {
         add_sun(&mut suns, source, samples, random);
@@ -93,14 +100,14 @@ pub(crate) fn make(
         match source.kind {
             SkyLight::Sun => {}
             SkyLight::Dome { upper: true } => {
-                add_dome(&mut suns, Some(&source.light), None, samples)
+                add_dome(&mut suns, Some(&source.light), None, samples);
             }
             SkyLight::Dome { upper: false } => {
                 add_dome(&mut suns, None, Some(&source.light), samples);
             }
         }
     }
-    suns
+    Ok(suns)
 }
 
 /// The sky that worldspawn asks for.
@@ -212,7 +219,7 @@ mod tests {
 
     fn suns(keys: &str) -> Vec<Sun> {
         let world = crate::bsp::parse_entities(format!("{{ {keys} }}").as_bytes()).unwrap();
-        make(&world[0], &WorldSettings::default(), &[], &mut Random::new())
+        make(&world[0], &WorldSettings::default(), &[], &mut Random::new()).unwrap()
     }
 
     #[test]

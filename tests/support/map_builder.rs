@@ -21,6 +21,8 @@ pub struct MapBuilder {
     room: Box3,
     room_textures: [usize; 6],
     pillars: Vec<(Box3, usize)>,
+    /// Brush models: their box and, unless they are all `skip`, its texture.
+    models: Vec<(Box3, Option<usize>)>,
     textures: Vec<(MipTex, i32)>,
     cell: Option<f32>,
     entities: Vec<u8>,
@@ -34,6 +36,7 @@ impl MapBuilder {
             room: Box3 { mins: mins.into(), maxs: maxs.into() },
             room_textures: [0; 6],
             pillars: Vec::new(),
+            models: Vec::new(),
             textures: Vec::new(),
             cell: None,
             entities: b"{\n\"classname\" \"worldspawn\"\n}\n".to_vec(),
@@ -84,6 +87,13 @@ impl MapBuilder {
         self
     }
 
+    /// Adds a brush model, a solid box; the first is `*1`. Without a texture it has no faces, as if it
+    /// were made of `skip`.
+    pub fn model(mut self, mins: [f32; 3], maxs: [f32; 3], texture: Option<usize>) -> Self {
+        self.models.push((Box3 { mins: mins.into(), maxs: maxs.into() }, texture));
+        self
+    }
+
     /// Splits every face into quads of at most this side.
     pub fn subdivide(mut self, cell: f32) -> Self {
         self.cell = Some(cell);
@@ -130,16 +140,18 @@ impl MapBuilder {
         }
         let boxes: Vec<Box3> = self.pillars.iter().map(|&(pillar, _)| pillar).collect();
         let root = work.outside_in(self.room, 0, self.room, &boxes);
-        let Work { mut bsp, .. } = work;
-        bsp.models.push(Model {
-            mins: self.room.mins,
-            maxs: self.room.maxs,
-            head_node: root,
-            vis_leafs: bsp.leafs.len() as u32 - 1,
-            first_face: 0,
-            face_count: bsp.faces.len() as u32,
-        });
-        bsp.assemble().expect("the builder makes valid maps")
+        work.model(self.room, root, 0);
+        for &(area, texture) in &self.models {
+            let first = work.bsp.faces.len();
+            for side in 0..6 {
+                if let Some(texture) = texture {
+                    work.side(area, side, side % 2 == 1, texture, self.cell);
+                }
+            }
+            let root = work.inside_out(area, 0);
+            work.model(area, root, first);
+        }
+        work.bsp.assemble().expect("the builder makes valid maps")
     }
 }
 
@@ -259,6 +271,35 @@ impl Work {
             texinfos.push(TexInfo { s, t, miptex: texture as i32, flags });
             texinfos.len() as i32 - 1
         })
+    }
+
+    /// A model whose faces are those from `first` on.
+    fn model(&mut self, area: Box3, head_node: i32, first: usize) {
+        let bsp = &mut self.bsp;
+        let vis_leafs = bsp.models.first().map_or(bsp.leafs.len() as u32 - 1, |_| 0);
+        bsp.models.push(Model {
+            mins: area.mins,
+            maxs: area.maxs,
+            head_node,
+            vis_leafs,
+            first_face: first as u32,
+            face_count: (bsp.faces.len() - first) as u32,
+        });
+    }
+
+    /// Tree of a solid box in empty space.
+    fn inside_out(&mut self, area: Box3, side: usize) -> i32 {
+        if side == 6 {
+            return -1;
+        }
+        let node = self.node(side / 2, coordinate(area, side));
+        let inner = self.inside_out(area, side + 1);
+        self.bsp.leafs.push(Leaf { contents: EMPTY, vis_offset: -1, first_mark: 0, mark_count: 0 });
+        let outside = -(self.bsp.leafs.len() as i32);
+        let front_is_inner = side.is_multiple_of(2);
+        let children = if front_is_inner { [inner, outside] } else { [outside, inner] };
+        self.bsp.nodes[node].children = children;
+        node as i32
     }
 
     /// Tree that cuts away what is outside of `room`, side by side; the rest is [`Self::inside`].
