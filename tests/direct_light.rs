@@ -1,17 +1,12 @@
-//! Direct light on small rooms with answers worked out by hand, and on whole maps against the
-//! reference compiler.
+//! Direct light on small rooms with answers worked out by hand.
 
-#[path = "direct/bake.rs"]
-mod bake;
 mod support;
 
-use bake::bake;
 use glam::Vec3;
-use qrad::bsp::{Bsp, Format, read_lit};
+use qrad::bsp::Format;
 use qrad::light::{DirectLight, at, direct};
 use qrad::scene::{Sample, Scene, SceneSettings, Sidecar, luxels};
 use support::map_builder::MapBuilder;
-use support::shared_dir;
 
 /// A room of 512 x 512 x 256 units with the given entities after worldspawn.
 fn room(entities: &str) -> MapBuilder {
@@ -333,13 +328,9 @@ fn light_at_a_free_point_agrees_with_the_luxel_there() {
 
 #[test]
 fn what_is_not_simulated_is_named() {
-    let world = "{\n\"classname\" \"worldspawn\"\n\"_dirt\" \"1\"\n}\n";
-    let map = room("").entities(format!("{world}{}", light(&[("delay", "4")])));
-    let scene = scene(&map);
-    for name in ["_dirt", "delay 4"] {
-        let name = name.trim_start_matches('_');
-        assert!(scene.not_simulated.iter().any(|s| s.contains(name)), "{name}");
-    }
+    let world = "{\n\"classname\" \"worldspawn\"\n\"_world_units_per_luxel\" \"8\"\n}\n";
+    let scene = scene(&room("").entities(world));
+    assert!(scene.not_simulated.iter().any(|s| s.contains("world_units_per_luxel")));
 }
 
 #[test]
@@ -360,94 +351,4 @@ fn a_map_without_entities_or_with_wild_numbers_is_no_trouble() {
     let bsp = room(&many).build(Format::Bsp29);
     let error = Scene::build(&bsp, Sidecar::default(), &SceneSettings::default()).err().unwrap();
     assert!(error.to_string().contains("_samples"), "{error}");
-}
-
-/// Luxels compared, and how many of them differ by nothing and by more than one level.
-#[derive(Debug, Default)]
-struct Agreement {
-    luxels: usize,
-    equal: usize,
-    off: usize,
-}
-
-/// Compares flat world faces (smoothed normals, and the minimum light that brush models may have, are
-/// not simulated yet) in the styles that `counts` selects, without penumbra.
-fn compare(map: &str, counts: impl Fn(u8) -> bool) -> Option<Agreement> {
-    let shared = shared_dir()?;
-    let path = ["demo", "librequake"]
-        .map(|folder| shared.join("maps").join(folder).join(format!("{map}.bsp")))
-        .into_iter()
-        .find(|p| p.is_file())?;
-    let reference = shared.join("reference/light/direct").join(map);
-    let bsp = Bsp::read(&std::fs::read(&path).unwrap()).unwrap();
-    let texinfo = std::fs::read_to_string(path.with_extension("texinfo.json")).ok();
-    let content = std::fs::read_to_string(path.with_extension("content.json")).ok();
-    let sidecar = Sidecar { texinfo: texinfo.as_deref(), content: content.as_deref(), rad: None };
-    let overrides = vec![("_sunlight_penumbra".to_owned(), "0".to_owned())];
-    let settings = SceneSettings { overrides, ..SceneSettings::default() };
-    let scene = Scene::build(&bsp, sidecar, &settings).unwrap();
-    let lit = Bsp::read(&std::fs::read(reference.with_extension("bsp")).unwrap()).unwrap();
-    let rgb = read_lit(&std::fs::read(reference.with_extension("lit")).unwrap()).unwrap();
-
-    let mut result = Agreement::default();
-    for (face, (maps, samples)) in bake(&scene).iter().enumerate() {
-        let surface = &scene.surfaces[face];
-        if surface.model != Some(0) || surface.curved {
-            continue;
-        }
-        let theirs = |style: u8| {
-            let lit = &lit.faces[face];
-            let slot = lit.styles.iter().position(|s| *s == style && style != 255)?;
-            let start = 3 * (lit.light_offset as usize + slot * samples.len());
-            Some(&rgb[start..start + 3 * samples.len()])
-        };
-        let mut styles: Vec<u8> = maps.iter().map(|m| m.style).collect();
-        styles.extend(lit.faces[face].styles.iter().filter(|s| **s != 255));
-        styles.sort_unstable();
-        styles.dedup();
-        for style in styles.into_iter().filter(|s| counts(*s)) {
-            let ours = maps.iter().find(|m| m.style == style);
-            let theirs = theirs(style);
-            for i in 0..samples.len() {
-                let a = ours.map_or([0; 3], |m| m.rgb[i]);
-                let b = theirs.map_or([0; 3], |t| [t[3 * i], t[3 * i + 1], t[3 * i + 2]]);
-                let off = (0..3).map(|c| a[c].abs_diff(b[c])).max().unwrap();
-                result.luxels += 1;
-                result.equal += usize::from(off == 0);
-                result.off += usize::from(off > 1);
-            }
-        }
-    }
-    println!("{map}: {result:?}");
-    Some(result)
-}
-
-#[test]
-fn maps_within_scope_equal_the_reference_luxel_by_luxel() {
-    for (map, least) in
-        [("cornell", 8000), ("styles", 60_000), ("slit", 37_000), ("effects_none", 5000)]
-    {
-        let Some(result) = compare(map, |_| true) else { return };
-        assert!(result.luxels > least, "{map}: {result:?}");
-        assert_eq!(result.equal, result.luxels, "{map}: {result:?}");
-    }
-}
-
-#[test]
-fn styled_light_of_maps_with_a_sun_agrees_with_the_reference() {
-    // The sun and minimum light are style 0, so the others are in scope; rays that touch edges are
-    // what is left.
-    let Some(result) = compare("start", |style| style != 0) else { return };
-    assert!(result.luxels > 10_000, "{result:?}");
-    assert!(result.off * 200 < result.luxels, "{result:?}");
-}
-
-#[test]
-fn sun_sky_glass_and_fences_agree_with_the_reference_luxel_by_luxel() {
-    // What is left are rays that meet the very edge of something.
-    for (map, least) in [("lqdm1", 100_000), ("lqdm2", 80_000), ("atrium", 60_000)] {
-        let Some(result) = compare(map, |_| true) else { return };
-        assert!(result.luxels > least, "{map}: {result:?}");
-        assert!(result.off * 1000 < result.luxels, "{map}: {result:?}");
-    }
 }

@@ -35,7 +35,7 @@ impl LitRoom {
             })
             .collect();
         let texinfo = format!("{{{}}}", members.join(","));
-        let sidecar = Sidecar { texinfo: Some(&texinfo), content: None, ..Sidecar::default() };
+        let sidecar = Sidecar { texinfo: Some(&texinfo), ..Sidecar::default() };
         let scene = Scene::build(&bsp, sidecar, &SceneSettings::default()).unwrap();
         let unexpected = |w: &&String| !w.contains("reflect more than");
         assert_eq!(scene.warnings.iter().find(unexpected), None);

@@ -2,6 +2,7 @@
 // Each test binary uses its own part of this module.
 #![allow(dead_code)]
 
+pub mod lit_levels;
 pub mod lit_map;
 pub mod lit_room;
 pub mod map_builder;
