@@ -1,6 +1,6 @@
 //! The command line of `qrad`.
 
-use crate::lightmap::Gather;
+use crate::lightmap::{Gather, Smoothing};
 use crate::radiosity::hemicube::HemicubeSize;
 use crate::settings::{Settings, SurfaceLights};
 use crate::{Error, Result};
@@ -27,6 +27,19 @@ pub struct Cli {
     /// Write here instead of in place [text scenes: NAME-lit.txt; `-` is standard output]
     #[arg(short, long, value_name = "FILE")]
     pub output: Option<PathBuf>,
+
+    /// 2 x 2 samples of direct light a luxel
+    #[arg(long, help_heading = "Direct light", conflicts_with = "extra4")]
+    pub extra: bool,
+
+    /// 4 x 4 samples of direct light a luxel
+    #[arg(long, help_heading = "Direct light")]
+    pub extra4: bool,
+
+    /// Blur by N samples [without a number: 1 with --extra, 2 with --extra4, else 0]
+    #[arg(long, value_name = "N", num_args = 0..=1, default_missing_value = "auto")]
+    #[arg(help_heading = "Direct light")]
+    pub soft: Option<String>,
 
     /// Most bounces of light; 0 is direct light only [default: until the residual is reached]
     #[arg(long, value_name = "N", help_heading = "Bounced light")]
@@ -154,6 +167,7 @@ impl Cli {
             patch_size: self.patch_size,
             bounces: self.bounces,
             residual: self.residual,
+            smoothing: self.smoothing()?,
             gather: match self.gather {
                 GatherArg::Interpolate => Gather::Interpolate,
                 GatherArg::Luxel => Gather::Luxel,
@@ -167,6 +181,23 @@ impl Cli {
             overrides: self.set.clone(),
         }
         .checked()
+    }
+
+    /// Samples a luxel and blur.
+    fn smoothing(&self) -> Result<Smoothing> {
+        let (extra, auto) = match (self.extra, self.extra4) {
+            (_, true) => (4, 2),
+            (true, _) => (2, 1),
+            _ => (1, 0),
+        };
+        let soft = match self.soft.as_deref() {
+            None => 0,
+            Some("auto") => auto,
+            Some(text) => text.parse().map_err(|_| {
+                Error::setting("--soft", format!("{text:?}: give a number of samples"))
+            })?,
+        };
+        Ok(Smoothing { extra, soft })
     }
 
     /// Number of threads; 0 stands for one a core.

@@ -84,21 +84,29 @@ pub fn light_bsp(
     bsp.clear_lighting();
     bsp.rewrite_entities()?;
     let scene = Scene::build(bsp, sidecar, &settings.scene(textures))?;
-    let samples = stage::place_luxels(&scene, progress);
-    let direct = stage::direct(&scene, &samples, progress);
-    let patches = stage::patches(&scene, &samples, settings, progress);
+    let points = stage::place(&scene, settings, progress);
+    let direct = stage::direct(&scene, points.samples(), progress);
+    let patches = stage::patches(&scene, &points.luxels, settings, progress);
     let transfers = stage::transfers(&scene, &patches, settings, progress);
-    let bounced = stage::bounce(&scene, &patches, &transfers, &direct, settings, progress);
+    let bounced =
+        stage::bounce(&scene, &patches, &transfers, (&points, &direct), settings, progress);
     let sources = lightmap::Sources {
         scene: &scene,
         patches: &patches,
         transfers: &transfers,
         light: &bounced.styles,
     };
-    let indirect = stage::gather(sources, &samples, settings, progress);
+    let indirect = stage::gather(sources, &points.luxels, settings, progress);
     let counts = Counts::new(&scene, &direct, &patches, &transfers, &bounced, &indirect);
-    let probes = stage::probes(&scene, &patches, &samples, &bounced, settings);
-    let faces = lightmap::finish_faces(&scene, &samples, direct, indirect.maps, &probes);
+    let probes = stage::probes(&scene, &patches, points.samples(), &bounced, settings);
+    let faces = lightmap::finish_faces(
+        &scene,
+        points.samples(),
+        direct,
+        indirect.maps,
+        &probes,
+        settings.smoothing,
+    );
     let packed = lightmap::pack(&faces)?;
     bsp.set_lighting(packed.mono, &packed.faces);
     let rgb = packed.coloured.then_some(packed.rgb);

@@ -1,7 +1,7 @@
 //! What the user can set, checked once and passed down from there.
 
 use crate::bsp::MipTex;
-use crate::lightmap::Gather;
+use crate::lightmap::{Gather, Smoothing};
 use crate::radiosity::hemicube::HemicubeSize;
 use crate::scene::SceneSettings;
 use crate::{Error, Result};
@@ -27,6 +27,8 @@ pub struct Settings {
     pub bounces: Option<u32>,
     /// Bouncing ends when this share of the light is left, in (0, 1).
     pub residual: f64,
+    /// Samples a luxel and blur.
+    pub smoothing: Smoothing,
     /// How indirect light gets to luxels.
     pub gather: Gather,
     /// Factor on the reflectance of textures, 0 and up.
@@ -46,6 +48,7 @@ impl Default for Settings {
             patch_size: 4,
             bounces: None,
             residual: 1e-5,
+            smoothing: Smoothing { extra: 1, soft: 0 },
             gather: Gather::default(),
             reflectance_scale: 1.0,
             grey: false,
@@ -64,6 +67,11 @@ impl Settings {
         if !(1..=256).contains(&self.patch_size) {
             let problem = format!("{} luxels: use 1 to 256", self.patch_size);
             return Err(Error::setting("--patch-size", problem));
+        }
+        if ![1, 2, 4].contains(&self.smoothing.extra) || self.smoothing.soft > 64 {
+            let problem =
+                format!("{:?}: use 1, 2 or 4 samples and a blur up to 64", self.smoothing);
+            return Err(Error::setting("supersampling", problem));
         }
         if !(self.residual > 0.0 && self.residual < 1.0) {
             let problem = format!("{}: use a number between 0 and 1", self.residual);

@@ -10,22 +10,41 @@ use crate::radiosity::transfers::Transfers;
 use crate::scene::{Sample, Scene, luxels};
 use crate::settings::Settings;
 use rayon::prelude::*;
+use std::borrow::Cow;
 
-/// The luxels of every surface.
-pub(crate) fn place_luxels(scene: &Scene, progress: &Progress) -> Vec<Vec<Sample>> {
-    let faces = scene.surfaces.len();
-    let stage = progress.stage("luxels", faces);
-    (0..faces)
-        .into_par_iter()
-        .map(|face| {
-            let samples = luxels::place(scene, face, 1);
-            stage.advance(1);
-            samples
-        })
-        .collect()
+/// The points of every surface that take light.
+pub(crate) struct Points {
+    /// One a luxel.
+    pub luxels: Vec<Vec<Sample>>,
+    /// `extra` x `extra` a luxel; none when that is the same.
+    fine: Option<Vec<Vec<Sample>>>,
 }
 
-/// Direct light at every luxel.
+impl Points {
+    /// Where direct light is sampled.
+    pub fn samples(&self) -> &[Vec<Sample>] {
+        self.fine.as_ref().unwrap_or(&self.luxels)
+    }
+}
+
+/// Places luxels and samples on every surface.
+pub(crate) fn place(scene: &Scene, settings: &Settings, progress: &Progress) -> Points {
+    let faces = scene.surfaces.len();
+    let stage = progress.stage("luxels", 2 * faces);
+    let place = |extra: u32| -> Vec<Vec<Sample>> {
+        (0..faces)
+            .into_par_iter()
+            .map(|face| {
+                stage.advance(1);
+                luxels::place(scene, face, extra)
+            })
+            .collect()
+    };
+    let extra = settings.smoothing.extra;
+    Points { luxels: place(1), fine: (extra > 1).then(|| place(extra)) }
+}
+
+/// Direct light at every sample.
 pub(crate) fn direct(
     scene: &Scene,
     samples: &[Vec<Sample>],
@@ -73,17 +92,26 @@ pub(crate) fn bounce(
     scene: &Scene,
     patches: &MapPatches,
     transfers: &Transfers,
-    direct: &[DirectLight],
+    (points, direct): (&Points, &[DirectLight]),
     settings: &Settings,
     progress: &Progress,
 ) -> Bounced {
     if patches.set.patches.is_empty() {
         return Bounced::default();
     }
+    let arriving: Vec<Cow<'_, [StyleLight]>> = direct
+        .iter()
+        .zip(points.samples())
+        .zip(&scene.surfaces)
+        .map(|((direct, samples), surface)| {
+            let width = surface.luxels.as_ref().map_or(1, |g| g.width);
+            light::bounce_source(direct, samples, width, settings.smoothing.extra)
+        })
+        .collect();
     let emission = patches.emission(&scene.emitters);
-    let stage = progress.stage("bounces", bounce::styles(direct, &emission).len());
+    let stage = progress.stage("bounces", bounce::styles(&arriving, &emission).len());
     let limits = Limits { passes: settings.bounces, residual: settings.residual };
-    bounce::bounce(patches, transfers, direct, &emission, limits, |n| stage.advance(n))
+    bounce::bounce(patches, transfers, &arriving, &emission, limits, |n| stage.advance(n))
 }
 
 /// Indirect light at luxels.

@@ -35,6 +35,17 @@ pub(crate) fn value(light: &Light, dist: f32, d: f32) -> f32 {
     }
 }
 
+/// Share of the light at distance `d` that a copy of a surface light gives although the surface it
+/// stands for cannot, 0 for other lights. A disc of radius r that gives I / d^2 from afar gives at
+/// most I / r^2, where it is touched; a point light with inverse falloff grows without end.
+pub(crate) fn excess(light: &Light, dist: f32, d: f32) -> f32 {
+    let inverse = matches!(light.attenuation, Attenuation::Inverse | Attenuation::InverseSquare);
+    if !inverse || d >= light.piece_radius {
+        return 0.0;
+    }
+    1.0 - value(light, dist, light.piece_radius) / value(light, dist, d)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -55,6 +66,7 @@ mod tests {
             channel_mask: 1,
             dirt: crate::scene::DirtKeys::default(),
             shadow_mask: 1,
+            piece_radius: 0.0,
             entity: 0,
         }
     }

@@ -2,6 +2,7 @@
 //! before range scaling (contract sections 4.4 to 4.6). One file an effect.
 
 mod attenuation;
+mod bounce_source;
 mod dirt;
 mod minlight;
 mod point;
@@ -10,6 +11,7 @@ mod radiosity;
 mod spot;
 mod sun;
 
+pub use bounce_source::bounce_source;
 pub use dirt::FaceDirt;
 pub use minlight::Probe;
 pub(crate) use minlight::wants_probe;
@@ -37,6 +39,8 @@ pub struct DirectLight {
     /// What negative lights take away, as negative irradiance. It is to be added last, after
     /// bounced and minimum light, and the sum then limited to 0 and up.
     pub negative: Vec<StyleLight>,
+    /// Part of `styles` that does not bounce: see [`bounce_source`].
+    pub excess: Vec<StyleLight>,
     /// Minimum light of local lights, which does not bounce: see [`post`].
     pub local_minimum: Vec<StyleLight>,
     /// Dirt at the samples.
@@ -61,7 +65,8 @@ pub fn direct(scene: &Scene, surface: usize, samples: &[Sample]) -> DirectLight 
     let points = (samples, &result.dirt);
     for light in &scene.lights {
         let styles = if light.brightness > 0.0 { &mut result.styles } else { &mut result.negative };
-        light_surface(scene, light, (surface, &sphere), points, &mut rays, styles);
+        let both = (styles, &mut result.excess);
+        light_surface(scene, light, (surface, &sphere), points, &mut rays, both);
     }
     for sun in &scene.suns {
         let styles = if sun.brightness > 0.0 { &mut result.styles } else { &mut result.negative };
@@ -154,7 +159,7 @@ fn light_surface(
     (surface, sphere): (&Surface, &BoundingSphere),
     (samples, dirt): (&[Sample], &FaceDirt),
     rays: &mut LightRays<'_>,
-    styles: &mut Vec<StyleLight>,
+    (styles, excess): (&mut Vec<StyleLight>, &mut Vec<StyleLight>),
 ) {
     let (dist, gate) = (scene.world.dist, scene.world.gate);
     let behind = distance(light.origin, surface.normal, surface.dist) < 0.0;
@@ -177,7 +182,12 @@ fn light_surface(
         }
         let arrival = rays.between(sample.position, light.origin, light.shadow_mask, colour);
         if let Some(arrival) = arrival {
-            add(styles, arrival.style_of(light.style), samples.len(), i, arrival.colour);
+            let style = arrival.style_of(light.style);
+            add(styles, style, samples.len(), i, arrival.colour);
+            let share = attenuation::excess(light, dist, away);
+            if share > 0.0 {
+                add(excess, style, samples.len(), i, arrival.colour * share);
+            }
         }
     }
 }

@@ -1,18 +1,20 @@
 //! Direct, indirect and negative light of every face, put together.
 
-use super::finish::{FinishSettings, FinishedFace, finish};
+use super::finish::{FinishSettings, FinishedFace, Smoothing, finish};
 use crate::light::{self, DirectLight, Probe, StyleLight};
+use crate::photometry::Irradiance;
 use crate::scene::{Sample, Scene, Surface};
 use rayon::prelude::*;
 
-/// Adds up the light of each surface and makes its lightmaps. Each argument has one entry a surface,
-/// but `probes` has one a brush model: see [`probes`](super::probes()).
+/// Adds up the light of each surface and makes its lightmaps. `samples` and `direct` are for the
+/// samples of each surface, `indirect` is for its luxels. Each argument has one entry a surface, but `probes` has one a brush model: see [`probes`](super::probes()).
 pub fn finish_faces(
     scene: &Scene,
     samples: &[Vec<Sample>],
     direct: Vec<DirectLight>,
     indirect: Vec<Vec<StyleLight>>,
     probes: &[Option<Probe>],
+    smoothing: Smoothing,
 ) -> Vec<FinishedFace> {
     scene
         .surfaces
@@ -24,12 +26,17 @@ pub fn finish_faces(
             let Some(grid) = &surface.luxels else { return FinishedFace::default() };
             let mut maps = light::with_local_minimum(scene, &mut direct);
             for more in &indirect {
-                light::accumulate(&mut maps, more);
+                let at_samples = spread(&more.irradiance, grid.width, smoothing.extra);
+                light::accumulate(
+                    &mut maps,
+                    &StyleLight { style: more.style, irradiance: at_samples },
+                );
             }
             let probe = surface.model.and_then(|m| probes.get(m as usize)?.as_ref());
             let free = light::post(scene, surface, samples, &direct, probe, &mut maps);
             let occluded: Vec<bool> = samples.iter().map(|s| s.occluded && !free).collect();
-            finish(maps, &occluded, grid.width as usize, settings_of(scene, surface))
+            let width = (grid.width * smoothing.extra) as usize;
+            finish(maps, &occluded, width, settings_of(scene, surface), smoothing)
         })
         .collect()
 }
@@ -42,4 +49,13 @@ fn settings_of(scene: &Scene, surface: &Surface) -> FinishSettings {
         max_light: if surface.max_light != 0.0 { surface.max_light } else { world.max_light },
         colour_scale: surface.colour_scale,
     }
+}
+
+/// Gives each luxel's light to all its samples: bounced light varies little within a luxel.
+fn spread(light: &[Irradiance], width: u32, extra: u32) -> Vec<Irradiance> {
+    let (width, extra) = (width as usize, extra as usize);
+    let height = light.len() / width;
+    (0..height * extra)
+        .flat_map(|y| (0..width * extra).map(move |x| light[y / extra * width + x / extra]))
+        .collect()
 }

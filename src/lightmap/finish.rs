@@ -46,13 +46,23 @@ pub struct FinishedFace {
     pub dropped: u32,
 }
 
+/// From samples to luxels.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Smoothing {
+    /// Samples along the edge of a luxel: 1, 2 or 4.
+    pub extra: u32,
+    /// Radius of a box blur in samples; 0 is none.
+    pub soft: u32,
+}
+
 /// Scales, fills in luxels inside solid from their neighbours, selects styles and converts to bytes.
-/// `occluded` tells for each luxel whether it is inside solid; rows are `width` long.
+/// `occluded` tells for each sample whether it is inside solid; rows are `width` samples long.
 pub fn finish(
     maps: Vec<StyleLight>,
     occluded: &[bool],
     width: usize,
     settings: FinishSettings,
+    smoothing: Smoothing,
 ) -> FinishedFace {
     let mut face = FinishedFace::default();
     // (average brightness, style, light)
@@ -71,6 +81,7 @@ pub fn finish(
         }
         let average = light.iter().map(|c| brightness(*c)).sum::<f32>() / light.len() as f32;
         flood_fill(&mut light, occluded, width);
+        let light = reduce(soften(light, width, smoothing.soft), width, smoothing.extra);
         kept.push((average, style, light));
     }
     // Stable on the reversed list: of equals, the one made later goes first.
@@ -149,9 +160,60 @@ fn flood_fill(light: &mut [Vec3], occluded: &[bool], width: usize) {
     }
 }
 
+/// Box blur of radius `soft`; the edges of the map repeat.
+fn soften(light: Vec<Vec3>, width: usize, soft: u32) -> Vec<Vec3> {
+    if soft == 0 {
+        return light;
+    }
+    let (height, reach) = (light.len() / width, soft as usize);
+    let near =
+        |at: usize, offset: usize, size: usize| (at + offset).saturating_sub(reach).min(size - 1);
+    let count = ((2 * reach + 1) * (2 * reach + 1)) as f32;
+    (0..light.len())
+        .map(|i| {
+            let (x, y) = (i % width, i / width);
+            let mut sum = Vec3::ZERO;
+            for v in 0..=2 * reach {
+                for u in 0..=2 * reach {
+                    sum += light[near(y, v, height) * width + near(x, u, width)];
+                }
+            }
+            sum / count
+        })
+        .collect()
+}
+
+/// Mean of each block of `extra` x `extra` samples.
+fn reduce(light: Vec<Vec3>, width: usize, extra: u32) -> Vec<Vec3> {
+    let extra = extra as usize;
+    if extra == 1 {
+        return light;
+    }
+    let columns = width / extra;
+    (0..light.len() / (extra * extra))
+        .map(|luxel| {
+            let (x, y) = (luxel % columns * extra, luxel / columns * extra);
+            let rows = (y..y + extra).map(|y| &light[y * width + x..y * width + x + extra]);
+            rows.flatten().copied().sum::<Vec3>() / (extra * extra) as f32
+        })
+        .collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    const PLAIN: Smoothing = Smoothing { extra: 1, soft: 0 };
+
+    #[test]
+    fn samples_are_blurred_and_averaged() {
+        let light: Vec<Vec3> = [0.0, 9.0, 0.0, 0.0].map(Vec3::splat).to_vec();
+        assert_eq!(soften(light.clone(), 4, 1), [3.0, 3.0, 3.0, 0.0].map(Vec3::splat));
+        let edge: Vec<Vec3> = [9.0, 0.0, 0.0, 0.0].map(Vec3::splat).to_vec();
+        assert_eq!(soften(edge, 4, 1)[0], Vec3::splat(6.0), "the edge repeats");
+        let block = [1.0, 2.0, 10.0, 10.0, 3.0, 6.0, 10.0, 30.0].map(Vec3::splat).to_vec();
+        assert_eq!(reduce(block, 4, 2), [3.0, 15.0].map(Vec3::splat));
+    }
 
     fn map(style: u16, levels: &[f32]) -> StyleLight {
         let irradiance = levels.iter().map(|&v| Irradiance(Vec3::splat(v))).collect();
@@ -160,7 +222,7 @@ mod tests {
 
     fn plain(maps: Vec<StyleLight>) -> FinishedFace {
         let n = maps[0].irradiance.len();
-        finish(maps, &vec![false; n], n, FinishSettings::default())
+        finish(maps, &vec![false; n], n, FinishSettings::default(), PLAIN)
     }
 
     #[test]
@@ -202,7 +264,7 @@ mod tests {
     #[test]
     fn occluded_luxels_are_filled_from_neighbours() {
         let maps = vec![map(0, &[40.0, 0.0, 0.0, 80.0])];
-        let face = finish(maps, &[false, true, true, false], 4, FinishSettings::default());
+        let face = finish(maps, &[false, true, true, false], 4, FinishSettings::default(), PLAIN);
         // The second fill already sees the first.
         assert_eq!(face.styles[0].levels, [[20; 3], [20; 3], [30; 3], [40; 3]]);
     }
@@ -210,7 +272,7 @@ mod tests {
     #[test]
     fn max_light_and_gamma() {
         let s = FinishSettings { range: 1.0, gamma: 2.0, max_light: 32.0, colour_scale: 1.0 };
-        let face = finish(vec![map(0, &[255.0, 16.0])], &[false; 2], 2, s);
+        let face = finish(vec![map(0, &[255.0, 16.0])], &[false; 2], 2, s, PLAIN);
         // 255 is capped to 64: 255 * sqrt(64 / 255) = 127.7; 16 gives 63.87.
         assert_eq!(face.styles[0].levels, [[127; 3], [63; 3]]);
     }

@@ -10,7 +10,7 @@ mod probes;
 
 pub use atlas::dump;
 pub use faces::finish_faces;
-pub use finish::{FinishSettings, FinishedFace, FinishedStyle, finish};
+pub use finish::{FinishSettings, FinishedFace, FinishedStyle, Smoothing, finish};
 pub use indirect::{Gather, Sources, indirect};
 pub use pack::{Packed, pack};
 pub use probes::probes;

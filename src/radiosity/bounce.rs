@@ -2,10 +2,11 @@
 
 use super::solve::{Limits, Sources, solve};
 use super::transfers::Transfers;
-use crate::light::DirectLight;
+use crate::light::StyleLight;
 use crate::patch::{Emission, MapPatches};
 use crate::photometry::{Exitance, Irradiance, Reflectance};
 use glam::DVec3;
+use std::borrow::Cow;
 use std::collections::BTreeSet;
 
 /// The solution of one light style.
@@ -30,12 +31,12 @@ pub struct Bounced {
     pub residual: f64,
 }
 
-/// Solves each style: patches emit `emission`, reflect the mean of the direct light of their luxels,
-/// and then each other's light. `advance(n)` is told of every n styles done.
+/// Solves each style: patches emit `emission`, reflect the mean of the direct light of their luxels
+/// (`direct`, for each surface), and then each other's light. `advance(n)` is told of every n styles done.
 pub fn bounce(
     patches: &MapPatches,
     transfers: &Transfers,
-    direct: &[DirectLight],
+    direct: &[Cow<'_, [StyleLight]>],
     emission: &[Emission],
     limits: Limits,
     advance: impl Fn(u64),
@@ -65,16 +66,16 @@ pub fn bounce(
     bounced
 }
 
-/// Number of styles that [`bounce`] solves.
-pub fn styles(direct: &[DirectLight], emission: &[Emission]) -> BTreeSet<u16> {
-    let lit = direct.iter().flat_map(|d| d.styles.iter().map(|s| s.style));
+/// The styles that [`bounce`] solves.
+pub fn styles(direct: &[Cow<'_, [StyleLight]>], emission: &[Emission]) -> BTreeSet<u16> {
+    let lit = direct.iter().flat_map(|d| d.iter().map(|s| s.style));
     lit.chain(emission.iter().map(|e| e.style)).collect()
 }
 
 /// Direct light of one style at the luxels of each surface, empty where there is none.
-fn luxels_of(direct: &[DirectLight], style: u16) -> Vec<&[Irradiance]> {
+fn luxels_of<'a>(direct: &'a [Cow<'_, [StyleLight]>], style: u16) -> Vec<&'a [Irradiance]> {
     direct
         .iter()
-        .map(|d| d.styles.iter().find(|s| s.style == style).map_or(&[][..], |s| &s.irradiance))
+        .map(|d| d.iter().find(|s| s.style == style).map_or(&[][..], |s| &s.irradiance))
         .collect()
 }

@@ -174,6 +174,7 @@ impl Reader<'_> {
             .unwrap_or(40.0);
         Draft {
             light: Light {
+                piece_radius: 0.0,
                 origin,
                 brightness,
                 colour: colour.unwrap_or(Vec3::splat(255.0)),

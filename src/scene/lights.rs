@@ -66,6 +66,9 @@ pub struct Light {
     pub shadow_mask: i32,
     /// What it asks of dirt.
     pub dirt: DirtKeys,
+    /// For copies of surface lights: radius of a disc as large as the piece of surface that the copy
+    /// stands for, in world units; 0 for others. Nearer, a point light is no likeness of it.
+    pub piece_radius: f32,
     /// Index of the entity that it comes from.
     pub entity: u32,
 }

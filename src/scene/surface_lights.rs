@@ -94,14 +94,15 @@ pub(crate) fn add_copies(
         };
         check_light_count(drafts.len().saturating_add(pieces.len() * matching.len()))?;
         for piece in pieces {
-            let (_, centre) = area_and_centre(&piece);
+            let (area, centre) = area_and_centre(&piece);
             if centre.is_nan() {
                 continue;
             }
             for &template in &matching {
                 let offset = drafts[template].template.as_ref().map_or(2.0, |t| t.offset);
                 let origin = centre + shape.normal * offset + faces.surfaces[face].offset;
-                let copy = drafts[template].copy_at(origin, shape.normal);
+                let mut copy = drafts[template].copy_at(origin, shape.normal);
+                copy.light.piece_radius = (area / PI).sqrt();
                 drafts.push(copy);
             }
         }

@@ -1,7 +1,7 @@
 //! The stages of a map run one by one, with everything that they make.
 
 use qrad::bsp::Bsp;
-use qrad::light::{DirectLight, StyleLight, direct};
+use qrad::light::{DirectLight, StyleLight, bounce_source, direct};
 use qrad::lightmap::{Gather, Sources, indirect};
 use qrad::patch::MapPatches;
 use qrad::radiosity::bounce::{Bounced, bounce};
@@ -52,7 +52,12 @@ impl Prepared {
             samples.iter().enumerate().map(|(face, s)| direct(scene, face, s)).collect();
         let emission = patches.emission(&scene.emitters);
         let limits = Limits { passes: settings.bounces, residual: settings.residual };
-        let bounced = bounce(patches, transfers, &direct, &emission, limits, |_| {});
+        let arriving: Vec<_> = direct
+            .iter()
+            .zip(samples)
+            .map(|(direct, samples)| bounce_source(direct, samples, 1, 1))
+            .collect();
+        let bounced = bounce(patches, transfers, &arriving, &emission, limits, |_| {});
         let how = (gather, settings.hemicube);
         let sources = Sources { scene, patches, transfers, light: &bounced.styles };
         let (indirect, _) = indirect(sources, samples, how, |_| {});
