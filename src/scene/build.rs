@@ -67,6 +67,10 @@ impl Scene {
         let nothing = Entity::default();
         let worldspawn =
             overrides::apply(entities.first().unwrap_or(&nothing), &settings.overrides);
+        // The world as a model has keys too.
+        if let Some(first) = entities.first_mut() {
+            *first = worldspawn.clone();
+        }
         let world = WorldSettings::read(&worldspawn, &mut warnings, &mut not_simulated);
         let keys = sidecar::texinfo_keys(
             sidecar.texinfo,

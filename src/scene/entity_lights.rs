@@ -94,6 +94,9 @@ pub(crate) fn read(
     not_simulated: &mut BTreeSet<String>,
 ) -> Vec<Draft> {
     let mut drafts = Vec::new();
+    if world.no_lights {
+        return drafts;
+    }
     for (index, entity) in entities.iter().enumerate().filter(|(_, e)| is_light(e)) {
         let mut reader = Reader { entity, bsp, place: String::new(), warnings, not_simulated };
         let origin = entity.setting("origin").and_then(keys::vector).unwrap_or(Vec3::ZERO);
