@@ -126,7 +126,7 @@ fn every_option_maps_or_has_its_one_line() {
 }
 
 /// Worldspawn keys that the scene does not read yet.
-const AWAITED: &str = "addmin minlight_color minlight_mottle dirtmode dirtdepth dirtscale dirtgain \
+const AWAITED: &str = "addmin phong minlight_color minlight_mottle dirtmode dirtdepth dirtscale dirtgain \
     dirtangle minlight_dirt surflightscale surflightskyscale surflightskydist \
     surflightsubdivision surflight_minlight_scale sky_surface";
 
