@@ -14,7 +14,8 @@ use std::path::{Path, PathBuf};
 /// the map, and writes the lightmaps back into map.bsp (and map.lit when the light has colour).
 /// `qrad --patches scene.txt` does the bouncing for a plain-text scene of quads.
 #[derive(Debug, Parser)]
-#[command(name = "qrad", version, max_term_width = 100)]
+#[command(name = "qrad", version, max_term_width = 100, args_override_self = true)]
+#[command(after_help = "The options of ericw-tools' light are accepted too; see docs/options.md.")]
 #[command(group(ArgGroup::new("input").required(true).args(["map", "patches", "completions"])))]
 pub struct Cli {
     /// The map to light, BSP29, BSP2 or 2PSB; `.bsp` may be left out

@@ -6,6 +6,7 @@
 pub mod bsp;
 pub mod cli;
 pub mod error;
+pub mod legacy_args;
 pub mod light;
 pub mod lightmap;
 pub mod output;

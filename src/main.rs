@@ -7,11 +7,19 @@ mod scene_job;
 use clap::{CommandFactory, Parser};
 use log::LevelFilter;
 use qrad::cli::Cli;
+use qrad::legacy_args;
 use std::io::{IsTerminal, Write};
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    let cli = Cli::parse();
+    let (args, notes) = match legacy_args::rewrite(std::env::args_os().collect(), &Cli::command()) {
+        Ok(rewritten) => rewritten,
+        Err(error) => {
+            eprintln!("qrad: error: {error}");
+            return ExitCode::FAILURE;
+        }
+    };
+    let cli = Cli::parse_from(args);
     let level = match (cli.quiet, cli.verbose) {
         (true, _) => LevelFilter::Error,
         (_, true) => LevelFilter::Debug,
@@ -24,6 +32,9 @@ fn main() -> ExitCode {
             writeln!(out, "{}: {}", record.level().as_str().to_lowercase(), record.args())
         })
         .init();
+    for note in notes {
+        log::warn!("{note}");
+    }
     match run(&cli) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {

@@ -74,6 +74,8 @@ impl Scene {
         }
         entities.extend(rad::entities(sidecar.rad.unwrap_or(""), &mut warnings));
         let worldspawn = overrides::apply(&entities[0], &settings.overrides);
+        // The world as a model has keys too.
+        entities[0] = worldspawn.clone();
         let mut world = WorldSettings::read(&worldspawn, &mut warnings, &mut not_simulated);
         let mut keys = sidecar::texinfo_keys(
             sidecar.texinfo,

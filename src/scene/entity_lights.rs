@@ -104,6 +104,9 @@ pub(crate) fn read(
     warnings: &mut Vec<String>,
 ) -> Vec<Draft> {
     let mut drafts = Vec::new();
+    if world.no_lights {
+        return drafts;
+    }
     for (index, entity) in entities.iter().enumerate().filter(|(_, e)| is_light(e)) {
         let mut reader = Reader { entity, bsp, textures, place: String::new(), warnings };
         let origin = entity.setting("origin").and_then(keys::vector).unwrap_or(Vec3::ZERO);

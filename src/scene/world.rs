@@ -24,7 +24,7 @@ pub struct WorldSettings {
     pub spotlight_auto_falloff: bool,
     /// `gate`: contributions up to this brightness are dropped without tracing a ray.
     pub gate: f32,
-    /// `surflight_subdivide`: size of the pieces of a light surface, in world units, 64 to 2048.
+    /// `surflight_subdivide`: size of the pieces of a light surface, in world units, 1 to 2048.
     pub surface_light_size: f32,
     /// `surflight_radiosity`: mode of surface lights without their own: 0 places point
     /// lights, 1 lights in the manner of radiosity.
@@ -43,6 +43,8 @@ pub struct WorldSettings {
     pub phong: bool,
     /// Surface lights in the manner of radiosity.
     pub surflight: SurflightSettings,
+    /// `nolights`: light entities do not shine, the suns of worldspawn do.
+    pub no_lights: bool,
     /// `_lightmap_scale`: world units (texels) between luxels, 16 by default.
     pub luxel_size: u32,
 }
@@ -66,6 +68,7 @@ impl Default for WorldSettings {
             dirt: DirtSettings::default(),
             phong: true,
             surflight: SurflightSettings::default(),
+            no_lights: false,
             luxel_size: 16,
         }
     }
@@ -99,7 +102,7 @@ impl WorldSettings {
         set(&["gamma"], 0.0, 100.0, &mut s.gamma);
         set(&["maxlight"], 0.0, f32::MAX, &mut s.max_light);
         set(&["gate"], 0.0, f32::MAX, &mut s.gate);
-        set(&["surflight_subdivide"], 64.0, 2048.0, &mut s.surface_light_size);
+        set(&["surflight_subdivide"], 1.0, 2048.0, &mut s.surface_light_size);
         set(&["minlight", "light"], 0.0, f32::MAX, &mut s.minlight);
         let flag =
             |names: &[&str]| names.iter().any(|n| world.setting(n).is_some_and(keys::boolean));
@@ -114,6 +117,7 @@ impl WorldSettings {
         s.surflight = SurflightSettings::read(world, &mut set);
         s.spotlight_auto_falloff = world.setting("spotlightautofalloff").is_some_and(keys::boolean);
         s.surface_light_mode = world.setting("surflight_radiosity").map_or(0, keys::integer);
+        s.no_lights = world.setting("nolights").is_some_and(keys::boolean);
         let luxel = world.setting("lightmap_scale").map_or(0, keys::integer);
         match u32::try_from(luxel) {
             Ok(0) => {}
@@ -121,6 +125,12 @@ impl WorldSettings {
             Err(_) => warnings.push(format!(
                 "worldspawn _lightmap_scale: {luxel} is negative, 16 is used; give 1 or more"
             )),
+        }
+        if s.gate > 1.0 {
+            warnings.push(format!(
+                "worldspawn gate: {} drops light that can be seen; use 1 or less",
+                s.gate
+            ));
         }
         for (name, effect) in NOT_SIMULATED {
             if world.setting(name).and_then(keys::number).is_some_and(|v| v > 0.0) {
