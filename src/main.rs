@@ -11,12 +11,15 @@ use qrad::legacy_args;
 use std::io::{IsTerminal, Write};
 use std::process::ExitCode;
 
+/// Exit code for a command line that cannot be used; clap exits with the same.
+const USAGE: u8 = 2;
+
 fn main() -> ExitCode {
     let (args, notes) = match legacy_args::rewrite(std::env::args_os().collect(), &Cli::command()) {
         Ok(rewritten) => rewritten,
         Err(error) => {
             eprintln!("qrad: error: {error}");
-            return ExitCode::FAILURE;
+            return ExitCode::from(USAGE);
         }
     };
     let cli = Cli::parse_from(args);

@@ -126,9 +126,9 @@ fn every_option_maps_or_has_its_one_line() {
 }
 
 /// Worldspawn keys that the scene does not read yet.
-const AWAITED: &str = "addmin phong minlight_color minlight_mottle dirtmode dirtdepth dirtscale dirtgain \
-    dirtangle minlight_dirt surflightscale surflightskyscale surflightskydist \
-    surflightsubdivision surflight_minlight_scale sky_surface";
+const AWAITED: &str = "addmin emissivequality phong minlight_color minlight_mottle dirtmode \
+    dirtdepth dirtscale dirtgain dirtangle minlight_dirt surflightscale surflightskyscale \
+    surflightskydist surflightsubdivision surflight_minlight_scale sky_surface";
 
 #[test]
 fn options_that_set_a_key_set_one_that_the_scene_reads() {
@@ -382,7 +382,7 @@ fn mistakes_end_the_run_with_a_line_and_change_nothing() {
     let (_folder, map) = map();
     let before = std::fs::read(&map).unwrap();
     for (line, word) in [("-bonce 3", "did you mean -bounce?"), ("-gate", "give a number")] {
-        let output = qrad().arg(&map).args(line.split(' ')).assert().code(1).get_output().clone();
+        let output = qrad().arg(&map).args(line.split(' ')).assert().code(2).get_output().clone();
         let said = String::from_utf8(output.stderr).unwrap();
         assert!(said.starts_with("qrad: error: ") && said.contains(word), "{said}");
         assert_eq!(said.lines().count(), 1, "{said}");
