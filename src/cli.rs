@@ -39,6 +39,7 @@ pub struct Cli {
 
     /// Blur by N samples [without a number: 1 with --extra, 2 with --extra4, else 0]
     #[arg(long, value_name = "N", num_args = 0..=1, default_missing_value = "auto")]
+    #[arg(require_equals = true)]
     #[arg(help_heading = "Direct light")]
     pub soft: Option<String>,
 

@@ -2,7 +2,7 @@
 
 use crate::{Error, Result};
 use image::{ImageFormat, RgbImage};
-use std::io::{Cursor, Write};
+use std::io::{self, Cursor, Write};
 use std::path::Path;
 use tempfile::NamedTempFile;
 
@@ -53,6 +53,9 @@ fn write_beside(path: &Path, bytes: &[u8]) -> Result<NamedTempFile> {
         builder.permissions(std::fs::Permissions::from_mode(0o666));
     }
     let failed = || Error::io("write", path);
+    if !folder.is_dir() {
+        return Err(failed()(io::Error::new(io::ErrorKind::NotFound, "the folder does not exist")));
+    }
     let mut file = builder.prefix(".qrad-").tempfile_in(folder).map_err(|e| {
         // Its own message would name a temporary file that nobody knows.
         failed()(e.kind().into())

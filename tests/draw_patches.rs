@@ -113,8 +113,8 @@ fn failures_are_one_line_and_exit_code_1() {
     fails(&["scene.txt", "-o", "a.png"], "scene.txt: line 1: 3 numbers");
     std::fs::write(&scene, format!("{HEADER}{LEFT}0 0 0 1 1 1\n")).unwrap();
     fails(&["scene.txt"], "use -o picture.png to write a picture instead");
-    fails(&["scene.txt", "-o", "no/such/folder.png"], "cannot replace");
-    fails(&["scene.txt", "-o", "."], "cannot replace");
+    fails(&["scene.txt", "-o", "no/such/folder.png"], "the folder does not exist");
+    fails(&["scene.txt", "-o", "."], "cannot write");
     fails(&["scene.txt", "-o", "a.png", "--fov", "180"], "fov");
     fails(&["scene.txt", "-o", "a.png", "--size", "16384x16384"], "--size");
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1, "nothing is left behind");

@@ -11,6 +11,7 @@ mod support;
 
 use glam::{DVec3, Vec3};
 use qrad::bsp::Bsp;
+use qrad::light::bounce_source;
 use qrad::lightmap::Gather;
 use qrad::photometry::Irradiance;
 use qrad::settings::Settings;
@@ -154,7 +155,10 @@ fn energy_errors(name: &str, patch_size: u32) -> [f64; 2] {
     };
     [Gather::Interpolate, Gather::Luxel].map(|gather| {
         let lit = map.light(gather);
-        let direct = integral(&|face| lit.direct[face].styles[0].irradiance.clone());
+        // What stands right in front of a light does not bounce all that it gets.
+        let direct = integral(&|face| {
+            bounce_source(&lit.direct[face], &map.samples[face], 1, 1)[0].irradiance.clone()
+        });
         let indirect = integral(&|face| lit.indirect[face][0].irradiance.clone());
         off(indirect / direct, rho / (1.0 - rho))
     })
