@@ -37,7 +37,8 @@ pub struct DirectLight {
     /// What negative lights take away, as negative irradiance. It is to be added last, after
     /// bounced and minimum light, and the sum then limited to 0 and up.
     pub negative: Vec<StyleLight>,
-    /// Minimum light of local lights, which does not bounce: see [`post`].
+    /// Minimum light of local lights, which does not bounce. It is to be joined with the
+    /// other direct light before bounced light is added.
     pub local_minimum: Vec<StyleLight>,
     /// Dirt at the samples.
     pub dirt: FaceDirt,
