@@ -41,7 +41,8 @@ pub struct DirectLight {
     pub negative: Vec<StyleLight>,
     /// Part of `styles` that does not bounce: see [`bounce_source`].
     pub excess: Vec<StyleLight>,
-    /// Minimum light of local lights, which does not bounce: see [`post`].
+    /// Minimum light of local lights, which does not bounce. It is to be joined with the
+    /// other direct light before bounced light is added.
     pub local_minimum: Vec<StyleLight>,
     /// Dirt at the samples.
     pub dirt: FaceDirt,

@@ -32,6 +32,7 @@ mod texels;
 mod tie;
 mod tracer;
 mod wander;
+mod winding;
 mod world;
 
 pub use build::SceneSettings;

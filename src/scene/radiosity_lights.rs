@@ -2,13 +2,14 @@
 //! off light from a few points over it, in proportion to its area.
 
 use super::entity_lights::Draft;
-use super::exact::{dot, normalize};
+use super::exact::normalize;
 use super::keys;
 use super::minlight::Glow;
 use super::shape::area_and_centre;
 use super::sidecar::SurflightKeys;
 use super::solid::Solid;
 use super::surface_lights::Faces;
+use super::winding::{dice, mean, without_colinear};
 use super::world::WorldSettings;
 use crate::bsp::Entity;
 use glam::Vec3;
@@ -214,21 +215,6 @@ fn light(
     })
 }
 
-/// Drops the corners at which a polygon does not turn.
-fn without_colinear(v: &[Vec3]) -> Vec<Vec3> {
-    const STRAIGHT: f32 = 1.0 - 0.0001;
-    let n = v.len();
-    let turns = |i: usize| {
-        let (a, b, c) = (v[(i + n - 1) % n], v[i], v[(i + 1) % n]);
-        dot(normalize(b - a), normalize(c - b)) < STRAIGHT
-    };
-    (0..n).filter(|&i| turns(i)).map(|i| v[i]).collect()
-}
-
-fn mean(v: &[Vec3]) -> Vec3 {
-    v.iter().fold(Vec3::ZERO, |a, b| a + *b) / v.len() as f32
-}
-
 /// The middle point, the points that shine, and how many there were before some were found in solid.
 fn points(
     winding: &[Vec3],
@@ -253,62 +239,6 @@ fn points(
     };
     let free = all.iter().filter_map(|p| emissive.solid.freed(*p, 0.5)).collect();
     Some((middle, free, all.len()))
-}
-
-/// The most pieces of one face.
-const PIECE_LIMIT: usize = 1 << 14;
-
-/// Cuts a polygon along multiples of `size` on the axes; `None` if there would be too many pieces.
-fn dice(winding: &[Vec3], size: f32) -> Option<Vec<Vec<Vec3>>> {
-    let (mut open, mut done) = (vec![winding.to_vec()], Vec::new());
-    while let Some(piece) = open.pop() {
-        if open.len() + done.len() > PIECE_LIMIT {
-            return None;
-        }
-        let min = piece.iter().copied().reduce(Vec3::min)?;
-        let max = piece.iter().copied().reduce(Vec3::max)?;
-        let cut = (0..3).find_map(|axis| {
-            let low = ((min[axis] + 1.0) / size).floor();
-            let high = ((max[axis] - 1.0) / size).floor();
-            (low < high).then_some((axis, size * (1.0 + low)))
-        });
-        match cut {
-            Some((axis, at)) => {
-                let (front, back) = clip(&piece, axis, at);
-                if front.len() < 3 || back.len() < 3 {
-                    done.push(piece);
-                } else {
-                    open.extend([back, front]);
-                }
-            }
-            None => done.push(piece),
-        }
-    }
-    Some(done)
-}
-
-/// The parts of a polygon above and below a plane across an axis. Corners at most 0.1 from it are
-/// on it.
-fn clip(piece: &[Vec3], axis: usize, at: f32) -> (Vec<Vec3>, Vec<Vec3>) {
-    const ON: f32 = 0.1;
-    let (mut front, mut back) = (Vec::new(), Vec::new());
-    for (i, &a) in piece.iter().enumerate() {
-        let b = piece[(i + 1) % piece.len()];
-        let (da, db) = (a[axis] - at, b[axis] - at);
-        if da >= -ON {
-            front.push(a);
-        }
-        if da <= ON {
-            back.push(a);
-        }
-        if da > ON && db < -ON || da < -ON && db > ON {
-            let mut crossing = a + (b - a) * (da / (da - db));
-            crossing[axis] = at;
-            front.push(crossing);
-            back.push(crossing);
-        }
-    }
-    (front, back)
 }
 
 /// Switchable styles by name, continuing those of the light entities.
@@ -346,27 +276,6 @@ impl Styles {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    fn rectangle(x: f32, y: f32) -> Vec<Vec3> {
-        [[0.0, 0.0], [0.0, y], [x, y], [x, 0.0]].map(|[x, y]| Vec3::new(x, y, 0.0)).to_vec()
-    }
-
-    #[test]
-    fn colinear_corners_go() {
-        let mut v = rectangle(8.0, 8.0);
-        v.insert(1, Vec3::new(0.0, 4.0, 0.0));
-        assert_eq!(without_colinear(&v), rectangle(8.0, 8.0));
-    }
-
-    #[test]
-    fn dice_cover_the_polygon_and_keep_slivers() {
-        let pieces = dice(&rectangle(48.0, 33.0), 16.0).unwrap();
-        // One unit of a fourth... row is too thin to be cut off: 33 - 1 is no more than 32.
-        assert_eq!(pieces.len(), 3 * 3);
-        let area: f32 = pieces.iter().map(|p| area_and_centre(p).0).sum();
-        assert!((area - 48.0 * 33.0).abs() < 0.01);
-        assert!(dice(&rectangle(1e7, 1e7), 1.0).is_none());
-    }
 
     #[test]
     fn names_keep_the_styles_of_lights_and_new_ones_follow() {
