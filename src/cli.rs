@@ -1,10 +1,11 @@
 //! The command line of `qrad`.
 
 use crate::lightmap::Gather;
+use crate::outputs::{LitFile, Outputs};
 use crate::radiosity::hemicube::HemicubeSize;
 use crate::settings::{Settings, SurfaceLights};
 use crate::{Error, Result};
-use clap::{ArgGroup, Parser, ValueEnum};
+use clap::{ArgGroup, Args, Parser, ValueEnum};
 use clap_complete::Shell;
 use std::path::{Path, PathBuf};
 
@@ -68,6 +69,10 @@ pub struct Cli {
     #[arg(long, value_name = "KEY=VALUE", value_parser = key_value, help_heading = "Materials")]
     pub set: Vec<(String, String)>,
 
+    /// Which files and lumps are written
+    #[command(flatten)]
+    pub outputs: OutputArgs,
+
     /// Write the lightmaps as pictures, one PNG a light style, and index.csv, into a folder
     #[arg(long, value_name = "DIR", help_heading = "Pictures")]
     pub dump_lightmaps: Option<PathBuf>,
@@ -111,6 +116,53 @@ pub struct Cli {
     /// Print a completion script for a shell
     #[arg(long, value_name = "SHELL")]
     pub completions: Option<Shell>,
+}
+
+/// Spelling of [`Outputs`].
+#[derive(Clone, Debug, Default, Args)]
+#[command(next_help_heading = "Outputs")]
+pub struct OutputArgs {
+    /// Write a .lit file even if the light has no colour
+    #[arg(long)]
+    pub lit: bool,
+
+    /// Write the .lit file in HDR
+    #[arg(long, conflicts_with = "lit")]
+    pub hdr: bool,
+
+    /// Put the colours into the map (RGBLIGHTING), instead of a .lit file
+    #[arg(long)]
+    pub bspxlit: bool,
+
+    /// Put HDR colours into the map (LIGHTING_E5BGR9)
+    #[arg(long)]
+    pub bspxhdr: bool,
+
+    /// Leave out what the original engine reads where other lumps hold the light
+    #[arg(long, conflicts_with = "preview")]
+    pub novanilla: bool,
+
+    /// Most light styles of a face, 1 to 16; above 4 is for engines that read LMSTYLE
+    #[arg(long, value_name = "N", default_value_t = 4)]
+    pub facestyles: u32,
+}
+
+impl OutputArgs {
+    /// The outputs that the options ask for, not checked yet.
+    fn outputs(&self) -> Outputs {
+        Outputs {
+            lit: match (self.lit, self.hdr) {
+                (_, true) => LitFile::Hdr,
+                (true, _) => LitFile::Always,
+                _ => LitFile::Auto,
+            },
+            bspx_lit: self.bspxlit,
+            bspx_hdr: self.bspxhdr,
+            vanilla: !self.novanilla,
+            face_styles: self.facestyles,
+            ..Outputs::default()
+        }
+    }
 }
 
 /// Spelling of [`Gather`].
@@ -165,6 +217,7 @@ impl Cli {
                 SurfaceLightsArg::Area => SurfaceLights::Area,
             },
             overrides: self.set.clone(),
+            outputs: self.outputs.outputs(),
         }
         .checked()
     }

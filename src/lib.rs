@@ -9,6 +9,7 @@ pub mod error;
 pub mod light;
 pub mod lightmap;
 pub mod output;
+pub mod outputs;
 pub mod patch;
 pub mod photometry;
 pub mod progress;
@@ -18,6 +19,7 @@ pub mod report;
 pub mod scene;
 pub mod settings;
 mod stage;
+mod store;
 
 pub use error::{Error, Result};
 
@@ -63,8 +65,10 @@ pub struct MapLight {
     pub scene: Scene,
     /// The lightmaps of each face.
     pub faces: Vec<FinishedFace>,
-    /// Payload of the `.lit` file, when the light has colour.
+    /// Three levels for each byte of the lighting lump, when the light has colour.
     pub rgb: Option<Vec<u8>>,
+    /// Bytes of the `.lit` file, if there is to be one.
+    pub lit: Option<Vec<u8>>,
     /// What the run counted.
     pub counts: Counts,
 }
@@ -81,6 +85,7 @@ pub fn light_bsp(
     settings: &Settings,
     progress: &Progress,
 ) -> Result<MapLight> {
+    let outputs = &settings.outputs;
     bsp.clear_lighting();
     bsp.rewrite_entities()?;
     let scene = Scene::build(bsp, sidecar, &settings.scene(textures))?;
@@ -97,9 +102,10 @@ pub fn light_bsp(
     };
     let indirect = stage::gather(sources, &samples, settings, progress);
     let counts = Counts::new(&scene, &direct, &patches, &transfers, &bounced, &indirect);
-    let faces = lightmap::finish_faces(&scene, &samples, direct, indirect.maps);
-    let packed = lightmap::pack(&faces)?;
-    bsp.set_lighting(packed.mono, &packed.faces);
+    let faces =
+        lightmap::finish_faces(&scene, &samples, direct, indirect.maps, outputs.style_choice());
+    let packed = lightmap::pack(&faces, &[])?;
+    let lit = store::store(bsp, &packed, outputs);
     let rgb = packed.coloured.then_some(packed.rgb);
-    Ok(MapLight { scene, faces, rgb, counts })
+    Ok(MapLight { scene, faces, rgb, lit, counts })
 }

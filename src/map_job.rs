@@ -2,7 +2,7 @@
 
 use anyhow::Context;
 use glam::Vec3;
-use qrad::bsp::{Bsp, MipTex, load_wad, parse_entities, write_lit};
+use qrad::bsp::{Bsp, MipTex, load_wad, parse_entities};
 use qrad::cli::Cli;
 use qrad::progress::Progress;
 use qrad::render::{Camera, LitMap, start_camera};
@@ -30,7 +30,7 @@ pub fn run(cli: &Cli, path: &Path, visible: bool) -> anyhow::Result<()> {
         log::warn!("{sentence}");
     }
     let target = cli.output.as_deref().unwrap_or(path);
-    let mut written = write_map(target, &bsp, lit.rgb.as_deref())?;
+    let mut written = write_map(target, &bsp, lit.lit.as_deref())?;
     if let Some(folder) = &cli.dump_lightmaps {
         written.extend(dump(folder, &lit)?);
     }
@@ -93,13 +93,12 @@ fn textures(cli: &Cli, map: &Path, bsp: &Bsp) -> anyhow::Result<Vec<MipTex>> {
     Ok(textures)
 }
 
-/// Replaces the map and its `.lit`; a stale `.lit` goes when the light has no colour.
-fn write_map(path: &Path, bsp: &Bsp, rgb: Option<&[u8]>) -> qrad::Result<Vec<PathBuf>> {
+/// Replaces the map and its `.lit`; a stale `.lit` goes when there is to be none.
+fn write_map(path: &Path, bsp: &Bsp, lit: Option<&[u8]>) -> qrad::Result<Vec<PathBuf>> {
     let lit_path = path.with_extension("lit");
     let map = bsp.write()?;
-    if let Some(rgb) = rgb {
-        let lit = write_lit(rgb);
-        output::write_all(&[(&lit_path, &lit), (path, &map)])?;
+    if let Some(lit) = lit {
+        output::write_all(&[(&lit_path, lit), (path, &map)])?;
         Ok(vec![path.to_path_buf(), lit_path])
     } else {
         output::check_replaceable(&lit_path)?;

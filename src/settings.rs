@@ -2,6 +2,7 @@
 
 use crate::bsp::MipTex;
 use crate::lightmap::Gather;
+use crate::outputs::Outputs;
 use crate::radiosity::hemicube::HemicubeSize;
 use crate::scene::SceneSettings;
 use crate::{Error, Result};
@@ -37,6 +38,8 @@ pub struct Settings {
     pub surface_lights: SurfaceLights,
     /// Worldspawn keys and values that win over those of the map.
     pub overrides: Vec<(String, String)>,
+    /// What is written.
+    pub outputs: Outputs,
 }
 
 impl Default for Settings {
@@ -51,6 +54,7 @@ impl Default for Settings {
             grey: false,
             surface_lights: SurfaceLights::default(),
             overrides: Vec::new(),
+            outputs: Outputs::default(),
         }
     }
 }
@@ -73,6 +77,7 @@ impl Settings {
             let problem = format!("{}: use 0 or more", self.reflectance_scale);
             return Err(Error::setting("--reflectance-scale", problem));
         }
+        self.outputs.clone().checked()?;
         Ok(self)
     }
 

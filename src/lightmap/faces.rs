@@ -1,16 +1,17 @@
 //! Direct, indirect and negative light of every face, put together.
 
-use super::finish::{FinishSettings, FinishedFace, finish};
+use super::finish::{FinishSettings, FinishedFace, StyleChoice, finish};
 use crate::light::{DirectLight, StyleLight};
 use crate::scene::{Sample, Scene, Surface};
 use rayon::prelude::*;
 
-/// Adds up the light of each surface and makes its lightmaps. Each argument has one entry a surface.
+/// Adds up the light of each surface and makes its lightmaps. Each list has one entry a surface.
 pub fn finish_faces(
     scene: &Scene,
     samples: &[Vec<Sample>],
     direct: Vec<DirectLight>,
     indirect: Vec<Vec<StyleLight>>,
+    choice: StyleChoice,
 ) -> Vec<FinishedFace> {
     scene
         .surfaces
@@ -25,18 +26,19 @@ pub fn finish_faces(
                 accumulate(&mut maps, more);
             }
             let occluded: Vec<bool> = samples.iter().map(|s| s.occluded).collect();
-            finish(maps, &occluded, grid.width as usize, settings_of(scene, surface))
+            finish(maps, &occluded, grid.width as usize, settings_of(scene, surface, choice))
         })
         .collect()
 }
 
-fn settings_of(scene: &Scene, surface: &Surface) -> FinishSettings {
+fn settings_of(scene: &Scene, surface: &Surface, choice: StyleChoice) -> FinishSettings {
     let world = &scene.world;
     FinishSettings {
         range: world.range,
         gamma: world.gamma,
         max_light: if surface.max_light != 0.0 { surface.max_light } else { world.max_light },
         colour_scale: surface.colour_scale,
+        choice,
     }
 }
 

@@ -9,6 +9,6 @@ mod pack;
 
 pub use atlas::dump;
 pub use faces::finish_faces;
-pub use finish::{FinishSettings, FinishedFace, FinishedStyle, finish};
+pub use finish::{FinishSettings, FinishedFace, FinishedStyle, StyleChoice, finish};
 pub use indirect::{Gather, Sources, indirect};
-pub use pack::{Packed, pack};
+pub use pack::{Block, Packed, Vanilla, pack};
