@@ -1,8 +1,9 @@
 //! The command line of `qrad`.
 
 use crate::lightmap::Gather;
-use crate::outputs::{LitFile, Outputs};
+use crate::outputs::{LitFile, Outputs, Scope};
 use crate::radiosity::hemicube::HemicubeSize;
+use crate::scene::LuxelSettings;
 use crate::settings::{Settings, SurfaceLights};
 use crate::{Error, Result};
 use clap::{ArgGroup, Args, Parser, ValueEnum};
@@ -145,6 +146,22 @@ pub struct OutputArgs {
     /// Most light styles of a face, 1 to 16; above 4 is for engines that read LMSTYLE
     #[arg(long, value_name = "N", default_value_t = 4)]
     pub facestyles: u32,
+
+    /// Luxels of 2^N texels on every face, for engines that read LMSHIFT [default: what the map says]
+    #[arg(long, value_name = "N")]
+    pub lmshift: Option<u8>,
+
+    /// Luxels of U world units that do not follow textures, for engines that read DECOUPLED_LM
+    #[arg(long, value_name = "U", conflicts_with = "lmshift")]
+    pub world_units_per_luxel: Option<f32>,
+
+    /// Write only the .lit file, for the lightmaps that the map has
+    #[arg(long, conflicts_with_all = ["lmshift", "world_units_per_luxel"])]
+    pub litonly: bool,
+
+    /// Write only the entities: the styles of switchable lights and the like; lighting stays
+    #[arg(long, conflicts_with_all = ["litonly", "preview", "dump_lightmaps"])]
+    pub onlyents: bool,
 }
 
 impl OutputArgs {
@@ -160,7 +177,12 @@ impl OutputArgs {
             bspx_hdr: self.bspxhdr,
             vanilla: !self.novanilla,
             face_styles: self.facestyles,
-            ..Outputs::default()
+            luxels: LuxelSettings { shift: self.lmshift, world_units: self.world_units_per_luxel },
+            scope: match (self.litonly, self.onlyents) {
+                (_, true) => Scope::EntitiesOnly,
+                (true, _) => Scope::LitOnly,
+                _ => Scope::All,
+            },
         }
     }
 }

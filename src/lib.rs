@@ -25,6 +25,7 @@ pub use error::{Error, Result};
 
 use bsp::{Bsp, MipTex};
 use lightmap::FinishedFace;
+use outputs::Scope;
 use patch::{TextPatches, TextScene};
 use progress::Progress;
 use radiosity::hemicube::HemicubeSize;
@@ -73,7 +74,7 @@ pub struct MapLight {
     pub counts: Counts,
 }
 
-/// Lights a map: replaces the lighting of `bsp`. `sidecar` is what qbsp wrote beside it, `textures`
+/// Lights a map: replaces the lighting of `bsp`, unless only a `.lit` file is asked for. `sidecar` is what qbsp wrote beside it, `textures`
 /// are those that the map may lack.
 ///
 /// # Errors
@@ -86,6 +87,7 @@ pub fn light_bsp(
     progress: &Progress,
 ) -> Result<MapLight> {
     let outputs = &settings.outputs;
+    let unchanged = (outputs.scope == Scope::LitOnly).then(|| bsp.clone());
     bsp.clear_lighting();
     bsp.rewrite_entities()?;
     let scene = Scene::build(bsp, sidecar, &settings.scene(textures))?;
@@ -104,8 +106,14 @@ pub fn light_bsp(
     let counts = Counts::new(&scene, &direct, &patches, &transfers, &bounced, &indirect);
     let faces =
         lightmap::finish_faces(&scene, &samples, direct, indirect.maps, outputs.style_choice());
-    let packed = lightmap::pack(&faces, &[])?;
-    let lit = store::store(bsp, &packed, outputs);
+    if let Some(unchanged) = unchanged {
+        *bsp = unchanged;
+        let store::LitOnly { rgb, file } = store::lit_only(bsp, &scene, &faces, outputs)?;
+        return Ok(MapLight { scene, faces, rgb: Some(rgb), lit: Some(file), counts });
+    }
+    let vanilla = lightmap::vanilla_copies(&scene, &faces, outputs.vanilla);
+    let packed = lightmap::pack(&faces, &vanilla)?;
+    let lit = store::store(bsp, &packed, &scene, outputs);
     let rgb = packed.coloured.then_some(packed.rgb);
     Ok(MapLight { scene, faces, rgb, lit, counts })
 }

@@ -4,6 +4,7 @@ use anyhow::Context;
 use glam::Vec3;
 use qrad::bsp::{Bsp, MipTex, load_wad, parse_entities};
 use qrad::cli::Cli;
+use qrad::outputs::Scope;
 use qrad::progress::Progress;
 use qrad::render::{Camera, LitMap, start_camera};
 use qrad::report::Report;
@@ -17,6 +18,12 @@ pub fn run(cli: &Cli, path: &Path, visible: bool) -> anyhow::Result<()> {
     let start = Instant::now();
     let settings = cli.settings()?;
     let mut bsp = Bsp::read(&read(path)?).with_context(|| path.display().to_string())?;
+    let target = cli.output.as_deref().unwrap_or(path);
+    if settings.outputs.scope == Scope::EntitiesOnly {
+        bsp.rewrite_entities().with_context(|| path.display().to_string())?;
+        output::write(target, &bsp.write()?)?;
+        return Ok(());
+    }
     let camera = cli.camera()?;
     let size = cli.preview_size()?;
     let textures = textures(cli, path, &bsp)?;
@@ -29,8 +36,14 @@ pub fn run(cli: &Cli, path: &Path, visible: bool) -> anyhow::Result<()> {
     for sentence in lit.scene.warnings.iter().chain(&lit.scene.not_simulated) {
         log::warn!("{sentence}");
     }
-    let target = cli.output.as_deref().unwrap_or(path);
-    let mut written = write_map(target, &bsp, lit.lit.as_deref())?;
+    let mut written = match (settings.outputs.scope, &lit.lit) {
+        (Scope::LitOnly, Some(file)) => {
+            let path = target.with_extension("lit");
+            output::write(&path, file)?;
+            vec![path]
+        }
+        (_, file) => write_map(target, &bsp, file.as_deref())?,
+    };
     if let Some(folder) = &cli.dump_lightmaps {
         written.extend(dump(folder, &lit)?);
     }

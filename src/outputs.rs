@@ -1,6 +1,7 @@
 //! Which files and lumps a map run writes: checked once, and followed by [`crate::store`].
 
 use crate::lightmap::StyleChoice;
+use crate::scene::LuxelSettings;
 use crate::{Error, Result};
 
 /// Styles that the record of a face holds, and so what every engine reads.
@@ -47,6 +48,8 @@ pub struct Outputs {
     /// The most light styles of a face, 1 to 16. Those after the fourth need an engine that reads
     /// `LMSTYLE`.
     pub face_styles: u32,
+    /// Luxel sizes.
+    pub luxels: LuxelSettings,
 }
 
 impl Default for Outputs {
@@ -58,6 +61,7 @@ impl Default for Outputs {
             bspx_hdr: false,
             vanilla: true,
             face_styles: RECORD_STYLES,
+            luxels: LuxelSettings::default(),
         }
     }
 }
@@ -72,6 +76,7 @@ impl Outputs {
             let problem = format!("{}: use 1 to 16", self.face_styles);
             return Err(Error::setting("--facestyles", problem));
         }
+        self.luxels.clone().checked()?;
         Ok(self)
     }
 

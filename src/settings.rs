@@ -89,6 +89,7 @@ impl Settings {
             textures,
             area_lights: self.surface_lights == SurfaceLights::Area,
             overrides: self.overrides.clone(),
+            luxels: self.outputs.luxels.clone(),
         }
     }
 }

@@ -6,9 +6,11 @@ mod finish;
 mod indirect;
 mod interpolate;
 mod pack;
+mod vanilla;
 
 pub use atlas::dump;
 pub use faces::finish_faces;
 pub use finish::{FinishSettings, FinishedFace, FinishedStyle, StyleChoice, finish};
 pub use indirect::{Gather, Sources, indirect};
-pub use pack::{Block, Packed, Vanilla, pack};
+pub use pack::{Block, Packed, Vanilla, hdr_colour, pack};
+pub use vanilla::vanilla_copies;

@@ -101,8 +101,8 @@ impl Packed {
     }
 }
 
-/// Light in levels as HDR lightmaps store it.
-pub(super) fn hdr_colour(light: Vec3) -> u32 {
+/// Light in levels as HDR lightmaps store it (see [`crate::bsp::pack_e5bgr9`]).
+pub fn hdr_colour(light: Vec3) -> u32 {
     pack_e5bgr9(light / HDR_UNIT)
 }
 

@@ -3,6 +3,8 @@
 use super::Scene;
 use super::entity_lights;
 use super::filter::Filters;
+use super::luxel_grid;
+use super::luxel_size::{LuxelSettings, LuxelSize, LuxelSizes};
 use super::materials::Materials;
 use super::models::{self, Model, ShadowClass};
 use super::neighbours::Neighbours;
@@ -39,6 +41,8 @@ pub struct SceneSettings {
     pub area_lights: bool,
     /// Worldspawn keys and values that win over those of the map, in any spelling of the key.
     pub overrides: Vec<(String, String)>,
+    /// Luxel sizes other than the texture's.
+    pub luxels: LuxelSettings,
 }
 
 impl Default for SceneSettings {
@@ -49,6 +53,7 @@ impl Default for SceneSettings {
             textures: Vec::new(),
             area_lights: false,
             overrides: Vec::new(),
+            luxels: LuxelSettings::default(),
         }
     }
 }
@@ -80,7 +85,9 @@ impl Scene {
         let models = models::read(bsp, &entities, &mut warnings, &mut not_simulated);
 
         let materials = Materials::new(bsp, settings);
-        let mut faces = FaceReader::new(bsp, &models, &keys, &materials, world.luxel_size);
+        let wanted = settings.luxels.clone().or_of_map(&worldspawn);
+        let sizes = LuxelSizes::new(bsp, world.luxel_size, &wanted, &mut warnings);
+        let mut faces = FaceReader::new(bsp, &models, &keys, &materials, sizes);
         for face in 0..bsp.faces.len() {
             faces.read(face)?;
         }
@@ -116,6 +123,7 @@ impl Scene {
             lights,
             suns,
             emitters,
+            decoupled: wanted.world_units.is_some(),
             world,
             tracer,
             tracer_surface,
@@ -151,7 +159,7 @@ struct FaceReader<'a> {
     models: &'a [Model],
     keys: &'a [TexInfoKeys],
     materials: &'a Materials,
-    luxel_size: u32,
+    sizes: LuxelSizes<'a>,
     owners: Vec<Option<u32>>,
     surfaces: Vec<Surface>,
     shapes: Vec<Shape>,
@@ -169,7 +177,7 @@ impl<'a> FaceReader<'a> {
         models: &'a [Model],
         keys: &'a [TexInfoKeys],
         materials: &'a Materials,
-        luxel_size: u32,
+        sizes: LuxelSizes<'a>,
     ) -> Self {
         let mut owners = vec![None; bsp.faces.len()];
         for (index, model) in bsp.models.iter().enumerate() {
@@ -184,7 +192,7 @@ impl<'a> FaceReader<'a> {
             models,
             keys,
             materials,
-            luxel_size,
+            sizes,
             owners,
             surfaces: Vec::new(),
             shapes: Vec::new(),
@@ -226,9 +234,13 @@ impl<'a> FaceReader<'a> {
             && owner.is_some()
             && !matches!(&*name, "skip" | "trigger")
             && texinfo.is_some_and(|t| t.flags & TEX_SPECIAL == 0);
-        let (luxels, map) = match texinfo.filter(|_| lightmapped) {
-            Some(texinfo) => self.luxels(face, texinfo, offset, &vertices).unzip(),
-            None => (None, None),
+        let luxels = match texinfo.filter(|_| lightmapped) {
+            Some(texinfo) => self.luxels(face, texinfo, keys, offset, &vertices),
+            None => None,
+        };
+        let (luxels, map, vanilla_luxels) = match luxels {
+            Some((grid, map, vanilla)) => (Some(grid), Some(map), vanilla),
+            None => (None, None, None),
         };
         self.luxel_count += luxels.as_ref().map_or(0, |g| g.len() as u64);
         if self.luxel_count > LUXEL_LIMIT {
@@ -261,6 +273,7 @@ impl<'a> FaceReader<'a> {
             max_light: model.and_then(|m| m.max_light).unwrap_or(keys.max_light),
             colour_scale: model.and_then(|m| m.colour_scale).unwrap_or(keys.colour_scale),
             luxels,
+            vanilla_luxels,
         });
         self.groups.push(keys.surflight_group);
         self.shapes.push(shape);
@@ -269,29 +282,28 @@ impl<'a> FaceReader<'a> {
         Ok(())
     }
 
-    /// Luxel grid of a face; `None` if its texture axes are unusable.
+    /// Luxels of a face, and those that the texture gives if they differ; `None` if its axes are
+    /// unusable.
     fn luxels(
         &mut self,
         face: usize,
         texinfo: &TexInfo,
+        keys: &TexInfoKeys,
         offset: Vec3,
         vertices: &[Vec3],
-    ) -> Option<(LuxelGrid, LuxelMap)> {
-        let grid = || {
-            let extents = self.bsp.face_extents(face, self.luxel_size as f32).ok()?;
-            let plane = self.bsp.face_plane(face);
-            let map = LuxelMap::new(texinfo, plane, extents.mins, self.luxel_size)?;
-            let [s_row, t_row] = map.rows_at(offset);
-            let [s_step, t_step] = map.steps();
-            let [width, height] = extents.size;
-            let origin = map.world_of(0.0, 0.0) + offset;
-            Some((LuxelGrid { width, height, s_row, t_row, origin, s_step, t_step }, map))
-        };
-        let grid = grid();
-        if grid.is_none() {
+    ) -> Option<(LuxelGrid, LuxelMap, Option<LuxelGrid>)> {
+        let size = self.sizes.of_face(face, keys.world_units_per_luxel);
+        let vanilla = LuxelSize::Texels(self.sizes.vanilla);
+        let grid = luxel_grid::of_face(self.bsp, face, texinfo, size, offset);
+        let Some((grid, map)) = grid else {
             self.bad_axes.count(vertices);
-        }
-        grid
+            return None;
+        };
+        let vanilla = (size != vanilla)
+            .then(|| luxel_grid::of_face(self.bsp, face, texinfo, vanilla, offset))
+            .flatten()
+            .map(|(grid, _)| grid);
+        Some((grid, map, vanilla))
     }
 
     fn warn(&self, warnings: &mut Vec<String>) {

@@ -9,6 +9,8 @@ mod hull;
 mod keys;
 mod light_rays;
 pub mod lights;
+mod luxel_grid;
+mod luxel_size;
 pub mod luxels;
 mod materials;
 mod models;
@@ -32,6 +34,7 @@ pub use build::SceneSettings;
 pub use filter::Filters;
 pub use light_rays::{Arrival, LightRays};
 pub use lights::Light;
+pub use luxel_size::{LuxelSettings, LuxelSize};
 pub use luxels::Sample;
 pub use models::{Model, ShadowClass};
 pub use shadow::ShadowRays;
@@ -56,6 +59,8 @@ pub struct Scene {
     pub suns: Vec<Sun>,
     /// The surfaces that emit light as areas.
     pub emitters: Vec<Emitter>,
+    /// Luxels follow the faces and not their textures.
+    pub decoupled: bool,
     /// What worldspawn sets for the whole map.
     pub world: WorldSettings,
     /// The surfaces that block all light.

@@ -40,6 +40,8 @@ pub struct TexInfoKeys {
     pub colour_scale: f32,
     /// Channels of light that the faces receive.
     pub channel_mask: Option<i32>,
+    /// World units from luxel to luxel, where lightmaps do not follow the texture.
+    pub world_units_per_luxel: Option<f32>,
 }
 
 impl Default for TexInfoKeys {
@@ -57,17 +59,17 @@ impl Default for TexInfoKeys {
             max_light: 0.0,
             colour_scale: 1.0,
             channel_mask: None,
+            world_units_per_luxel: None,
         }
     }
 }
 
 /// Members that ask for an effect which is not simulated yet.
-const NOT_SIMULATED: [(&str, &str); 5] = [
+const NOT_SIMULATED: [(&str, &str); 4] = [
     ("minlight", "minimum light"),
     ("phong_angle", "smoothed normals"),
     ("phong_group", "smoothed normals"),
     ("surflight_targetname", "switchable surface lights"),
-    ("world_units_per_luxel", "decoupled lightmaps"),
 ];
 
 /// Keys per texinfo, `count` of them. An unusable text counts as absent and gives a warning, as in
@@ -134,6 +136,7 @@ fn read_keys(value: &Value) -> TexInfoKeys {
         max_light: number("maxlight").unwrap_or(0.0),
         colour_scale: number("lightcolorscale").unwrap_or(1.0),
         channel_mask: integer("object_channel_mask"),
+        world_units_per_luxel: number("world_units_per_luxel"),
     }
 }
 
