@@ -1,5 +1,6 @@
 //! The command line of `qrad`.
 
+use crate::engine::Engine;
 use crate::lightmap::Gather;
 use crate::outputs::{LitFile, Outputs, Scope};
 use crate::radiosity::hemicube::HemicubeSize;
@@ -123,6 +124,10 @@ pub struct Cli {
 #[derive(Clone, Debug, Default, Args)]
 #[command(next_help_heading = "Outputs")]
 pub struct OutputArgs {
+    /// Write what an engine reads; options below add to it. docs/outputs.md has the table
+    #[arg(long, value_enum)]
+    pub engine: Option<Engine>,
+
     /// Write a .lit file even if the light has no colour
     #[arg(long)]
     pub lit: bool,
@@ -167,15 +172,16 @@ pub struct OutputArgs {
 impl OutputArgs {
     /// The outputs that the options ask for, not checked yet.
     fn outputs(&self) -> Outputs {
+        let base = self.engine.map_or_else(Outputs::default, Engine::outputs);
         Outputs {
             lit: match (self.lit, self.hdr) {
                 (_, true) => LitFile::Hdr,
                 (true, _) => LitFile::Always,
-                _ => LitFile::Auto,
+                _ => base.lit,
             },
-            bspx_lit: self.bspxlit,
-            bspx_hdr: self.bspxhdr,
-            vanilla: !self.novanilla,
+            bspx_lit: base.bspx_lit || self.bspxlit,
+            bspx_hdr: base.bspx_hdr || self.bspxhdr,
+            vanilla: base.vanilla && !self.novanilla,
             face_styles: self.facestyles,
             luxels: LuxelSettings { shift: self.lmshift, world_units: self.world_units_per_luxel },
             scope: match (self.litonly, self.onlyents) {

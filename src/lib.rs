@@ -5,6 +5,7 @@
 
 pub mod bsp;
 pub mod cli;
+pub mod engine;
 pub mod error;
 pub mod light;
 pub mod lightmap;

@@ -54,7 +54,15 @@ pub fn run(cli: &Cli, path: &Path, visible: bool) -> anyhow::Result<()> {
         output::write_png(picture, &map.draw(&camera))?;
         written.push(picture.clone());
     }
+    if let Some(engine) = cli.outputs.engine {
+        for sentence in engine.unread(&settings.outputs, lit.scene.decoupled) {
+            log::warn!("{sentence}");
+        }
+    }
     if !cli.quiet {
+        if let Some(engine) = cli.outputs.engine {
+            println!("{}", engine.choice());
+        }
         let mut report = Report::new();
         lit.counts.print(&mut report);
         report.resources(&progress.stages(), start.elapsed());
