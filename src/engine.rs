@@ -75,7 +75,7 @@ mod tests {
     fn no_engine_is_given_what_it_does_not_read() {
         for engine in Engine::value_variants() {
             let outputs = engine.outputs().checked().unwrap();
-            assert_eq!(engine.unread(&outputs, false), [String::new(); 0], "{engine:?}");
+            assert!(engine.unread(&outputs, false).is_empty(), "{engine:?}");
             assert!(!engine.choice().contains('\n'));
         }
         let outputs = Outputs { bspx_hdr: true, vanilla: false, ..Outputs::default() };

@@ -13,8 +13,8 @@ const MANTISSAS: f64 = 512.0;
 /// Nearest colour that can be stored. Channels are limited to 0 to [`E5BGR9_MAX`], and what is not a
 /// number becomes 0.
 pub fn pack_e5bgr9(colour: Vec3) -> u32 {
-    // `max` of NaN and 0 is 0.
-    let limit = |c: f32| f64::from(c.max(0.0).min(E5BGR9_MAX));
+    // Comparing sends what is not a number to 0, too.
+    let limit = |c: f32| if c > 0.0 { f64::from(c.min(E5BGR9_MAX)) } else { 0.0 };
     let c = DVec3::from_array(colour.to_array().map(limit));
     let max = c.max_element();
     if max == 0.0 {
