@@ -122,50 +122,49 @@ pub struct Cli {
 
 /// Spelling of [`Outputs`].
 #[derive(Clone, Debug, Default, Args)]
-#[command(next_help_heading = "Outputs")]
 pub struct OutputArgs {
     /// Write what an engine reads; options below add to it. docs/outputs.md has the table
-    #[arg(long, value_enum)]
+    #[arg(long, value_enum, help_heading = "Outputs")]
     pub engine: Option<Engine>,
 
     /// Write a .lit file even if the light has no colour
-    #[arg(long)]
+    #[arg(long, help_heading = "Outputs")]
     pub lit: bool,
 
     /// Write the .lit file in HDR
-    #[arg(long, conflicts_with = "lit")]
+    #[arg(long, conflicts_with = "lit", help_heading = "Outputs")]
     pub hdr: bool,
 
     /// Put the colours into the map (RGBLIGHTING), instead of a .lit file
-    #[arg(long)]
+    #[arg(long, help_heading = "Outputs")]
     pub bspxlit: bool,
 
     /// Put HDR colours into the map (LIGHTING_E5BGR9)
-    #[arg(long)]
+    #[arg(long, help_heading = "Outputs")]
     pub bspxhdr: bool,
 
     /// Leave out what the original engine reads where other lumps hold the light
-    #[arg(long, conflicts_with = "preview")]
+    #[arg(long, conflicts_with = "preview", help_heading = "Outputs")]
     pub novanilla: bool,
 
     /// Most light styles of a face, 1 to 16; above 4 is for engines that read LMSTYLE
-    #[arg(long, value_name = "N", default_value_t = 4)]
+    #[arg(long, value_name = "N", default_value_t = 4, help_heading = "Outputs")]
     pub facestyles: u32,
 
     /// Luxels of 2^N texels on every face, for engines that read LMSHIFT [default: what the map says]
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", help_heading = "Outputs")]
     pub lmshift: Option<u8>,
 
     /// Luxels of U world units that do not follow textures, for engines that read DECOUPLED_LM
-    #[arg(long, value_name = "U", conflicts_with = "lmshift")]
+    #[arg(long, value_name = "U", conflicts_with = "lmshift", help_heading = "Outputs")]
     pub world_units_per_luxel: Option<f32>,
 
     /// Write only the .lit file, for the lightmaps that the map has
-    #[arg(long, conflicts_with_all = ["lmshift", "world_units_per_luxel"])]
+    #[arg(long, conflicts_with_all = ["lmshift", "world_units_per_luxel"], help_heading = "Outputs")]
     pub litonly: bool,
 
     /// Write only the entities: the styles of switchable lights and the like; lighting stays
-    #[arg(long, conflicts_with_all = ["litonly", "preview", "dump_lightmaps"])]
+    #[arg(long, conflicts_with_all = ["litonly", "preview", "dump_lightmaps"], help_heading = "Outputs")]
     pub onlyents: bool,
 }
 
