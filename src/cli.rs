@@ -1,10 +1,13 @@
 //! The command line of `qrad`.
 
+use crate::engine::Engine;
 use crate::lightmap::{Gather, Smoothing};
+use crate::outputs::{LitFile, Outputs, Scope};
 use crate::radiosity::hemicube::HemicubeSize;
+use crate::scene::LuxelSettings;
 use crate::settings::{Settings, SurfaceLights};
 use crate::{Error, Result};
-use clap::{ArgGroup, Parser, ValueEnum};
+use clap::{ArgGroup, Args, Parser, ValueEnum};
 use clap_complete::Shell;
 use std::path::{Path, PathBuf};
 
@@ -83,6 +86,10 @@ pub struct Cli {
     #[arg(long, value_name = "KEY=VALUE", value_parser = key_value, help_heading = "Materials")]
     pub set: Vec<(String, String)>,
 
+    /// Which files and lumps are written
+    #[command(flatten)]
+    pub outputs: OutputArgs,
+
     /// Write the lightmaps as pictures, one PNG a light style, and index.csv, into a folder
     #[arg(long, value_name = "DIR", help_heading = "Pictures")]
     pub dump_lightmaps: Option<PathBuf>,
@@ -126,6 +133,78 @@ pub struct Cli {
     /// Print a completion script for a shell
     #[arg(long, value_name = "SHELL")]
     pub completions: Option<Shell>,
+}
+
+/// Spelling of [`Outputs`].
+#[derive(Clone, Debug, Default, Args)]
+pub struct OutputArgs {
+    /// Write what an engine reads; options below add to it. docs/outputs.md has the table
+    #[arg(long, value_enum, help_heading = "Outputs")]
+    pub engine: Option<Engine>,
+
+    /// Write a .lit file even if the light has no colour
+    #[arg(long, help_heading = "Outputs")]
+    pub lit: bool,
+
+    /// Write the .lit file in HDR
+    #[arg(long, conflicts_with = "lit", help_heading = "Outputs")]
+    pub hdr: bool,
+
+    /// Put the colours into the map (RGBLIGHTING), instead of a .lit file
+    #[arg(long, help_heading = "Outputs")]
+    pub bspxlit: bool,
+
+    /// Put HDR colours into the map (LIGHTING_E5BGR9)
+    #[arg(long, help_heading = "Outputs")]
+    pub bspxhdr: bool,
+
+    /// Leave out what the original engine reads where other lumps hold the light
+    #[arg(long, conflicts_with = "preview", help_heading = "Outputs")]
+    pub novanilla: bool,
+
+    /// Most light styles of a face, 1 to 16; above 4 is for engines that read LMSTYLE
+    #[arg(long, value_name = "N", default_value_t = 4, help_heading = "Outputs")]
+    pub facestyles: u32,
+
+    /// Luxels of 2^N texels on every face, for engines that read LMSHIFT [default: what the map says]
+    #[arg(long, value_name = "N", help_heading = "Outputs")]
+    pub lmshift: Option<u8>,
+
+    /// Luxels of U world units that do not follow textures, for engines that read DECOUPLED_LM
+    #[arg(long, value_name = "U", conflicts_with = "lmshift", help_heading = "Outputs")]
+    pub world_units_per_luxel: Option<f32>,
+
+    /// Write only the .lit file, for the lightmaps that the map has
+    #[arg(long, conflicts_with_all = ["lmshift", "world_units_per_luxel"], help_heading = "Outputs")]
+    pub litonly: bool,
+
+    /// Write only the entities: the styles of switchable lights and the like; lighting stays
+    #[arg(long, conflicts_with_all = ["litonly", "preview", "dump_lightmaps"], help_heading = "Outputs")]
+    pub onlyents: bool,
+}
+
+impl OutputArgs {
+    /// The outputs that the options ask for, not checked yet.
+    fn outputs(&self) -> Outputs {
+        let base = self.engine.map_or_else(Outputs::default, Engine::outputs);
+        Outputs {
+            lit: match (self.lit, self.hdr) {
+                (_, true) => LitFile::Hdr,
+                (true, _) => LitFile::Always,
+                _ => base.lit,
+            },
+            bspx_lit: base.bspx_lit || self.bspxlit,
+            bspx_hdr: base.bspx_hdr || self.bspxhdr,
+            vanilla: base.vanilla && !self.novanilla,
+            face_styles: self.facestyles,
+            luxels: LuxelSettings { shift: self.lmshift, world_units: self.world_units_per_luxel },
+            scope: match (self.litonly, self.onlyents) {
+                (_, true) => Scope::EntitiesOnly,
+                (true, _) => Scope::LitOnly,
+                _ => Scope::All,
+            },
+        }
+    }
 }
 
 /// Spelling of [`Gather`].
@@ -181,6 +260,7 @@ impl Cli {
                 SurfaceLightsArg::Area => SurfaceLights::Area,
             },
             overrides: self.set.clone(),
+            outputs: self.outputs.outputs(),
         }
         .checked()
     }

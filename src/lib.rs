@@ -5,11 +5,13 @@
 
 pub mod bsp;
 pub mod cli;
+pub mod engine;
 pub mod error;
 pub mod legacy_args;
 pub mod light;
 pub mod lightmap;
 pub mod output;
+pub mod outputs;
 pub mod patch;
 pub mod photometry;
 pub mod progress;
@@ -19,11 +21,13 @@ pub mod report;
 pub mod scene;
 pub mod settings;
 mod stage;
+mod store;
 
 pub use error::{Error, Result};
 
 use bsp::{Bsp, MipTex};
 use lightmap::FinishedFace;
+use outputs::Scope;
 use patch::{TextPatches, TextScene};
 use progress::Progress;
 use radiosity::hemicube::HemicubeSize;
@@ -64,13 +68,15 @@ pub struct MapLight {
     pub scene: Scene,
     /// The lightmaps of each face.
     pub faces: Vec<FinishedFace>,
-    /// Payload of the `.lit` file, when the light has colour.
+    /// Three levels for each byte of the lighting lump, when the light has colour.
     pub rgb: Option<Vec<u8>>,
+    /// Bytes of the `.lit` file, if there is to be one.
+    pub lit: Option<Vec<u8>>,
     /// What the run counted.
     pub counts: Counts,
 }
 
-/// Lights a map: replaces the lighting of `bsp`. `sidecar` is what qbsp wrote beside it, `textures`
+/// Lights a map: replaces the lighting of `bsp`, unless only a `.lit` file is asked for. `sidecar` is what qbsp wrote beside it, `textures`
 /// are those that the map may lack.
 ///
 /// # Errors
@@ -82,6 +88,8 @@ pub fn light_bsp(
     settings: &Settings,
     progress: &Progress,
 ) -> Result<MapLight> {
+    let outputs = &settings.outputs;
+    let unchanged = (outputs.scope == Scope::LitOnly).then(|| bsp.clone());
     bsp.clear_lighting();
     bsp.rewrite_entities()?;
     let scene = Scene::build(bsp, sidecar, &settings.scene(textures))?;
@@ -100,16 +108,15 @@ pub fn light_bsp(
     let indirect = stage::gather(sources, &points.luxels, settings, progress);
     let counts = Counts::new(&scene, &direct, &patches, &transfers, &bounced, &indirect);
     let probes = stage::probes(&scene, &patches, points.samples(), &bounced, settings);
-    let faces = lightmap::finish_faces(
-        &scene,
-        points.samples(),
-        direct,
-        indirect.maps,
-        &probes,
-        settings.smoothing,
-    );
-    let packed = lightmap::pack(&faces)?;
-    bsp.set_lighting(packed.mono, &packed.faces);
+    let faces = stage::finish(&scene, &points, direct, indirect.maps, &probes, settings);
+    if let Some(unchanged) = unchanged {
+        *bsp = unchanged;
+        let store::LitOnly { rgb, file } = store::lit_only(bsp, &scene, &faces, outputs)?;
+        return Ok(MapLight { scene, faces, rgb: Some(rgb), lit: Some(file), counts });
+    }
+    let vanilla = lightmap::vanilla_copies(&scene, &faces, outputs.vanilla);
+    let packed = lightmap::pack(&faces, &vanilla)?;
+    let lit = store::store(bsp, &packed, &scene, outputs);
     let rgb = packed.coloured.then_some(packed.rgb);
-    Ok(MapLight { scene, faces, rgb, counts })
+    Ok(MapLight { scene, faces, rgb, lit, counts })
 }

@@ -2,8 +2,9 @@
 
 use anyhow::Context;
 use glam::Vec3;
-use qrad::bsp::{Bsp, MipTex, load_wad, parse_entities, write_lit};
+use qrad::bsp::{Bsp, MipTex, load_wad, parse_entities};
 use qrad::cli::Cli;
+use qrad::outputs::Scope;
 use qrad::progress::Progress;
 use qrad::render::{Camera, LitMap, start_camera};
 use qrad::report::Report;
@@ -17,6 +18,12 @@ pub fn run(cli: &Cli, path: &Path, visible: bool) -> anyhow::Result<()> {
     let start = Instant::now();
     let settings = cli.settings()?;
     let mut bsp = Bsp::read(&read(path)?).with_context(|| path.display().to_string())?;
+    let target = cli.output.as_deref().unwrap_or(path);
+    if settings.outputs.scope == Scope::EntitiesOnly {
+        bsp.rewrite_entities().with_context(|| path.display().to_string())?;
+        output::write(target, &bsp.write()?)?;
+        return Ok(());
+    }
     let camera = cli.camera()?;
     let size = cli.preview_size()?;
     let textures = textures(cli, path, &bsp)?;
@@ -28,11 +35,17 @@ pub fn run(cli: &Cli, path: &Path, visible: bool) -> anyhow::Result<()> {
     let progress = Progress::new(visible);
     let lit = light_bsp(&mut bsp, sidecar, textures.clone(), &settings, &progress)
         .with_context(|| path.display().to_string())?;
-    for sentence in lit.scene.warnings.iter().chain(&lit.scene.not_simulated) {
+    for sentence in &lit.scene.warnings {
         log::warn!("{sentence}");
     }
-    let target = cli.output.as_deref().unwrap_or(path);
-    let mut written = write_map(target, &bsp, lit.rgb.as_deref())?;
+    let mut written = match (settings.outputs.scope, &lit.lit) {
+        (Scope::LitOnly, Some(file)) => {
+            let path = target.with_extension("lit");
+            output::write(&path, file)?;
+            vec![path]
+        }
+        (_, file) => write_map(target, &bsp, file.as_deref())?,
+    };
     if let Some(folder) = &cli.dump_lightmaps {
         written.extend(dump(folder, &lit)?);
     }
@@ -43,7 +56,15 @@ pub fn run(cli: &Cli, path: &Path, visible: bool) -> anyhow::Result<()> {
         output::write_png(picture, &map.draw(&camera))?;
         written.push(picture.clone());
     }
+    if let Some(engine) = cli.outputs.engine {
+        for sentence in engine.unread(&settings.outputs, lit.scene.decoupled) {
+            log::warn!("{sentence}");
+        }
+    }
     if !cli.quiet {
+        if let Some(engine) = cli.outputs.engine {
+            println!("{}", engine.choice());
+        }
         let mut report = Report::new();
         lit.counts.print(&mut report);
         report.resources(&progress.stages(), start.elapsed());
@@ -107,13 +128,12 @@ fn textures(cli: &Cli, map: &Path, bsp: &Bsp) -> anyhow::Result<Vec<MipTex>> {
     Ok(textures)
 }
 
-/// Replaces the map and its `.lit`; a stale `.lit` goes when the light has no colour.
-fn write_map(path: &Path, bsp: &Bsp, rgb: Option<&[u8]>) -> qrad::Result<Vec<PathBuf>> {
+/// Replaces the map and its `.lit`; a stale `.lit` goes when there is to be none.
+fn write_map(path: &Path, bsp: &Bsp, lit: Option<&[u8]>) -> qrad::Result<Vec<PathBuf>> {
     let lit_path = path.with_extension("lit");
     let map = bsp.write()?;
-    if let Some(rgb) = rgb {
-        let lit = write_lit(rgb);
-        output::write_all(&[(&lit_path, &lit), (path, &map)])?;
+    if let Some(lit) = lit {
+        output::write_all(&[(&lit_path, lit), (path, &map)])?;
         Ok(vec![path.to_path_buf(), lit_path])
     } else {
         output::check_replaceable(&lit_path)?;

@@ -2,6 +2,7 @@
 
 use crate::bsp::MipTex;
 use crate::lightmap::{Gather, Smoothing};
+use crate::outputs::Outputs;
 use crate::radiosity::hemicube::HemicubeSize;
 use crate::scene::SceneSettings;
 use crate::{Error, Result};
@@ -39,6 +40,8 @@ pub struct Settings {
     pub surface_lights: SurfaceLights,
     /// Worldspawn keys and values that win over those of the map.
     pub overrides: Vec<(String, String)>,
+    /// What is written.
+    pub outputs: Outputs,
 }
 
 impl Default for Settings {
@@ -54,6 +57,7 @@ impl Default for Settings {
             grey: false,
             surface_lights: SurfaceLights::default(),
             overrides: Vec::new(),
+            outputs: Outputs::default(),
         }
     }
 }
@@ -81,6 +85,7 @@ impl Settings {
             let problem = format!("{}: use 0 or more", self.reflectance_scale);
             return Err(Error::setting("--reflectance-scale", problem));
         }
+        self.outputs.clone().checked()?;
         Ok(self)
     }
 
@@ -92,6 +97,7 @@ impl Settings {
             textures,
             area_lights: self.surface_lights == SurfaceLights::Area,
             overrides: self.overrides.clone(),
+            luxels: self.outputs.luxels.clone(),
         }
     }
 }

@@ -1,7 +1,7 @@
 //! The stages of a map run: each calls one room, over all faces, and shows its progress.
 
 use crate::light::{self, DirectLight, Probe, StyleLight};
-use crate::lightmap;
+use crate::lightmap::{self, FinishedFace};
 use crate::patch::MapPatches;
 use crate::progress::Progress;
 use crate::radiosity::bounce::{self, Bounced};
@@ -144,4 +144,17 @@ pub(crate) fn probes(
     settings: &Settings,
 ) -> Vec<Option<Probe>> {
     lightmap::probes(scene, patches, samples, &bounced.styles, settings.hemicube)
+}
+
+/// All light of every face put together, as lightmaps.
+pub(crate) fn finish(
+    scene: &Scene,
+    points: &Points,
+    direct: Vec<DirectLight>,
+    indirect: Vec<Vec<StyleLight>>,
+    probes: &[Option<Probe>],
+    settings: &Settings,
+) -> Vec<FinishedFace> {
+    let how = (settings.smoothing, settings.outputs.style_choice());
+    lightmap::finish_faces(scene, points.samples(), direct, indirect, probes, how)
 }

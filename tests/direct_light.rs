@@ -327,13 +327,6 @@ fn light_at_a_free_point_agrees_with_the_luxel_there() {
 }
 
 #[test]
-fn what_is_not_simulated_is_named() {
-    let world = "{\n\"classname\" \"worldspawn\"\n\"_world_units_per_luxel\" \"8\"\n}\n";
-    let scene = scene(&room("").entities(world));
-    assert!(scene.not_simulated.iter().any(|s| s.contains("world_units_per_luxel")));
-}
-
-#[test]
 fn a_map_without_entities_or_with_wild_numbers_is_no_trouble() {
     for entities in [
         String::new(),

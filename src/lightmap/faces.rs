@@ -1,6 +1,6 @@
 //! Direct, indirect and negative light of every face, put together.
 
-use super::finish::{FinishSettings, FinishedFace, Smoothing, finish};
+use super::finish::{FinishSettings, FinishedFace, Smoothing, StyleChoice, finish};
 use crate::light::{self, DirectLight, Probe, StyleLight};
 use crate::photometry::Irradiance;
 use crate::scene::{Sample, Scene, Surface};
@@ -14,7 +14,7 @@ pub fn finish_faces(
     direct: Vec<DirectLight>,
     indirect: Vec<Vec<StyleLight>>,
     probes: &[Option<Probe>],
-    smoothing: Smoothing,
+    (smoothing, choice): (Smoothing, StyleChoice),
 ) -> Vec<FinishedFace> {
     scene
         .surfaces
@@ -36,18 +36,19 @@ pub fn finish_faces(
             let free = light::post(scene, surface, samples, &direct, probe, &mut maps);
             let occluded: Vec<bool> = samples.iter().map(|s| s.occluded && !free).collect();
             let width = (grid.width * smoothing.extra) as usize;
-            finish(maps, &occluded, width, settings_of(scene, surface), smoothing)
+            finish(maps, &occluded, width, settings_of(scene, surface, choice), smoothing)
         })
         .collect()
 }
 
-fn settings_of(scene: &Scene, surface: &Surface) -> FinishSettings {
+fn settings_of(scene: &Scene, surface: &Surface, choice: StyleChoice) -> FinishSettings {
     let world = &scene.world;
     FinishSettings {
         range: world.range,
         gamma: world.gamma,
         max_light: if surface.max_light != 0.0 { surface.max_light } else { world.max_light },
         colour_scale: surface.colour_scale,
+        choice,
     }
 }
 

@@ -4,9 +4,6 @@ use crate::light::StyleLight;
 use crate::photometry::Irradiance;
 use glam::Vec3;
 
-/// Styles that a face can store.
-const MOST_STYLES: usize = 4;
-
 /// How light becomes levels on a face.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FinishSettings {
@@ -18,11 +15,34 @@ pub struct FinishSettings {
     pub max_light: f32,
     /// Saturation of the light, from 0 (grey) to 1.
     pub colour_scale: f32,
+    /// Which maps are stored.
+    pub choice: StyleChoice,
+}
+
+/// Which of the maps of a face are stored.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct StyleChoice {
+    /// The most maps of a face.
+    pub most: usize,
+    /// Keeps maps that are too dim for bytes (all but black ones).
+    pub dim: bool,
+}
+
+impl Default for StyleChoice {
+    fn default() -> Self {
+        Self { most: 4, dim: false }
+    }
 }
 
 impl Default for FinishSettings {
     fn default() -> Self {
-        Self { range: 0.5, gamma: 1.0, max_light: 0.0, colour_scale: 1.0 }
+        Self {
+            range: 0.5,
+            gamma: 1.0,
+            max_light: 0.0,
+            colour_scale: 1.0,
+            choice: StyleChoice::default(),
+        }
     }
 }
 
@@ -33,9 +53,18 @@ pub struct FinishedStyle {
     pub style: u8,
     /// RGB level of each luxel, row by row.
     pub levels: Vec<[u8; 3]>,
+    /// The light of each luxel in levels, before it is limited to 255 and truncated.
+    pub light: Vec<Vec3>,
 }
 
-/// The lightmaps of a face, brightest on average first, at most four.
+impl FinishedStyle {
+    /// A map of a style from its light in levels.
+    pub fn new(style: u8, light: Vec<Vec3>) -> Self {
+        Self { style, levels: light.iter().copied().map(level).collect(), light }
+    }
+}
+
+/// The lightmaps of a face, brightest on average first.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct FinishedFace {
     /// What is stored.
@@ -76,7 +105,8 @@ pub fn finish(
             face.dropped += 1;
             continue;
         };
-        if brightest < 1.0 {
+        let enough = if settings.choice.dim { brightest > 0.0 } else { brightest >= 1.0 };
+        if !enough {
             continue;
         }
         let average = light.iter().map(|c| brightness(*c)).sum::<f32>() / light.len() as f32;
@@ -87,15 +117,10 @@ pub fn finish(
     // Stable on the reversed list: of equals, the one made later goes first.
     kept.reverse();
     kept.sort_by(|a, b| b.0.total_cmp(&a.0));
-    face.dropped += kept.len().saturating_sub(MOST_STYLES) as u32;
-    face.styles = kept
-        .into_iter()
-        .take(MOST_STYLES)
-        .map(|(_, style, light)| FinishedStyle {
-            style,
-            levels: light.into_iter().map(level).collect(),
-        })
-        .collect();
+    let most = settings.choice.most;
+    face.dropped += kept.len().saturating_sub(most) as u32;
+    let kept = kept.into_iter().take(most);
+    face.styles = kept.map(|(_, style, light)| FinishedStyle::new(style, light)).collect();
     face
 }
 
@@ -250,6 +275,19 @@ mod tests {
     }
 
     #[test]
+    fn dim_styles_stay_when_asked_for_and_light_is_not_limited() {
+        let choice = StyleChoice { most: 6, dim: true };
+        let settings = FinishSettings { choice, ..FinishSettings::default() };
+        let maps = (0..8).map(|i| map(i, &[f32::from(i) * 0.25, 1000.0 * f32::from(i)])).collect();
+        let face = finish(maps, &[false; 2], 2, settings, PLAIN);
+        let styles: Vec<u8> = face.styles.iter().map(|s| s.style).collect();
+        assert_eq!(styles, [7, 6, 5, 4, 3, 2]);
+        assert_eq!(face.dropped, 1, "style 1 has no place, 0 is black");
+        assert_eq!(face.styles[0].light, [Vec3::splat(0.875), Vec3::splat(3500.0)]);
+        assert_eq!(face.styles[0].levels, [[0; 3], [255; 3]]);
+    }
+
+    #[test]
     fn of_equal_styles_the_later_goes_first() {
         let face = plain(vec![map(3, &[10.0]), map(1, &[10.0])]);
         assert_eq!(face.styles[0].style, 1);
@@ -271,7 +309,8 @@ mod tests {
 
     #[test]
     fn max_light_and_gamma() {
-        let s = FinishSettings { range: 1.0, gamma: 2.0, max_light: 32.0, colour_scale: 1.0 };
+        let s =
+            FinishSettings { range: 1.0, gamma: 2.0, max_light: 32.0, ..FinishSettings::default() };
         let face = finish(vec![map(0, &[255.0, 16.0])], &[false; 2], 2, s, PLAIN);
         // 255 is capped to 64: 255 * sqrt(64 / 255) = 127.7; 16 gives 63.87.
         assert_eq!(face.styles[0].levels, [[127; 3], [63; 3]]);

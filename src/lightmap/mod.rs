@@ -7,10 +7,12 @@ mod indirect;
 mod interpolate;
 mod pack;
 mod probes;
+mod vanilla;
 
 pub use atlas::dump;
 pub use faces::finish_faces;
-pub use finish::{FinishSettings, FinishedFace, FinishedStyle, Smoothing, finish};
+pub use finish::{FinishSettings, FinishedFace, FinishedStyle, Smoothing, StyleChoice, finish};
 pub use indirect::{Gather, Sources, indirect};
-pub use pack::{Packed, pack};
+pub use pack::{Block, Packed, Vanilla, hdr_colour, pack};
 pub use probes::probes;
+pub use vanilla::vanilla_copies;

@@ -35,7 +35,7 @@ pub fn probes(
         range: scene.world.range,
         gamma: scene.world.gamma,
         max_light: scene.world.max_light,
-        colour_scale: 1.0,
+        ..FinishSettings::default()
     };
     let delta = DeltaFormFactors::new(size);
     (0..wanted.len())

@@ -164,6 +164,7 @@ impl MapPatches {
 
 /// Sums up the blocks of a face, luxel interval by luxel interval.
 fn cut(surface: &Surface, luxels: &LuxelGrid, samples: &[Sample], size: u32) -> FaceBlocks {
+    let size = patch_size(surface, luxels, size);
     let intervals = [luxels.width - 1, luxels.height - 1];
     let block_column = division(intervals[0], size);
     let block_row = division(intervals[1], size);
@@ -199,6 +200,16 @@ fn cut(surface: &Surface, luxels: &LuxelGrid, samples: &[Sample], size: u32) -> 
         columns,
     };
     FaceBlocks { grid, blocks }
+}
+
+/// Luxels along a patch: `size` of the luxels that the texture gives, whatever the size of those that
+/// the map asks for.
+fn patch_size(surface: &Surface, luxels: &LuxelGrid, size: u32) -> u32 {
+    let Some(vanilla) = &surface.vanilla_luxels else { return size };
+    let edge = |grid: &LuxelGrid| grid.s_step.cross(grid.t_step).length().sqrt();
+    let size = size as f32 * edge(vanilla) / edge(luxels);
+    // Casting limits what is out of range.
+    (size.round() as u32).max(1)
 }
 
 /// Block of each of `intervals` luxel intervals when they are shared out evenly among the fewest

@@ -4,6 +4,8 @@ use super::Scene;
 use super::entity_lights;
 use super::filter::Filters;
 use super::lights::Attenuation;
+use super::luxel_grid;
+use super::luxel_size::{LuxelSettings, LuxelSize, LuxelSizes};
 use super::materials::Materials;
 use super::minlight::Minlight;
 use super::models::{self, Model, ShadowClass};
@@ -24,12 +26,11 @@ use super::world::WorldSettings;
 use crate::bsp::{Bsp, Entity, MipTex, TexInfo, normalise, parse_entities};
 use crate::{Error, Result};
 use glam::Vec3;
-use std::collections::BTreeSet;
 
 /// Bit of the texinfo flags that says "no lightmap".
 const TEX_SPECIAL: i32 = 1;
-/// The most luxels that a map may have: what a 32-bit lighting offset can address.
-const LUXEL_LIMIT: u64 = i32::MAX as u64;
+/// The most luxels that a map may have: some gigabytes of working memory, a hundred large maps.
+const LUXEL_LIMIT: u64 = 1 << 26;
 
 /// What the user chooses about the scene.
 #[derive(Clone, Debug)]
@@ -44,6 +45,8 @@ pub struct SceneSettings {
     pub area_lights: bool,
     /// Worldspawn keys and values that win over those of the map, in any spelling of the key.
     pub overrides: Vec<(String, String)>,
+    /// Luxel sizes other than the texture's.
+    pub luxels: LuxelSettings,
 }
 
 impl Default for SceneSettings {
@@ -54,6 +57,7 @@ impl Default for SceneSettings {
             textures: Vec::new(),
             area_lights: false,
             overrides: Vec::new(),
+            luxels: LuxelSettings::default(),
         }
     }
 }
@@ -66,7 +70,6 @@ impl Scene {
     /// more lights or luxels than memory and the format can hold.
     pub fn build(bsp: &Bsp, sidecar: Sidecar<'_>, settings: &SceneSettings) -> Result<Self> {
         let mut warnings = Vec::new();
-        let mut not_simulated = BTreeSet::new();
         let mut entities = parse_entities(&bsp.entities)?;
         normalise(&mut entities)?;
         if entities.is_empty() {
@@ -76,13 +79,8 @@ impl Scene {
         let worldspawn = overrides::apply(&entities[0], &settings.overrides);
         // The world as a model has keys too.
         entities[0] = worldspawn.clone();
-        let mut world = WorldSettings::read(&worldspawn, &mut warnings, &mut not_simulated);
-        let mut keys = sidecar::texinfo_keys(
-            sidecar.texinfo,
-            bsp.texinfos.len(),
-            &mut warnings,
-            &mut not_simulated,
-        );
+        let mut world = WorldSettings::read(&worldspawn, &mut warnings);
+        let mut keys = sidecar::texinfo_keys(sidecar.texinfo, bsp.texinfos.len(), &mut warnings);
         let contents: Vec<i32> = bsp.leafs.iter().map(|l| l.contents).collect();
         let leaf_solid = sidecar::solid_leafs(sidecar.content, &contents, &mut warnings);
         let solid = Solid::new(bsp, leaf_solid);
@@ -90,7 +88,9 @@ impl Scene {
 
         let materials = Materials::new(bsp, settings);
         smooth_models(bsp, &models, &mut keys);
-        let mut faces = FaceReader::new(bsp, &models, &keys, &materials, &world);
+        let wanted = settings.luxels.clone().or_of_map(&worldspawn);
+        let sizes = LuxelSizes::new(bsp, world.luxel_size, &wanted, &mut warnings);
+        let mut faces = FaceReader::new(bsp, &models, &keys, &materials, (&world, sizes));
         for face in 0..bsp.faces.len() {
             faces.read(face)?;
         }
@@ -145,12 +145,12 @@ impl Scene {
             radiosity_lights,
             suns,
             emitters,
+            decoupled: wanted.world_units.is_some(),
             world,
             tracer,
             tracer_surface,
             filters,
             solid,
-            not_simulated: not_simulated.into_iter().collect(),
             warnings,
             shapes,
             neighbours: Neighbours::new(bsp, &smoothing),
@@ -197,6 +197,7 @@ struct FaceReader<'a> {
     keys: &'a [TexInfoKeys],
     materials: &'a Materials,
     world: &'a WorldSettings,
+    sizes: LuxelSizes<'a>,
     owners: Vec<Option<u32>>,
     surfaces: Vec<Surface>,
     shapes: Vec<Shape>,
@@ -216,7 +217,7 @@ impl<'a> FaceReader<'a> {
         models: &'a [Model],
         keys: &'a [TexInfoKeys],
         materials: &'a Materials,
-        world: &'a WorldSettings,
+        (world, sizes): (&'a WorldSettings, LuxelSizes<'a>),
     ) -> Self {
         let mut owners = vec![None; bsp.faces.len()];
         for (index, model) in bsp.models.iter().enumerate() {
@@ -232,6 +233,7 @@ impl<'a> FaceReader<'a> {
             keys,
             materials,
             world,
+            sizes,
             owners,
             surfaces: Vec::new(),
             shapes: Vec::new(),
@@ -275,9 +277,13 @@ impl<'a> FaceReader<'a> {
             && owner.is_some()
             && !matches!(&*name, "skip" | "trigger")
             && texinfo.is_some_and(|t| t.flags & TEX_SPECIAL == 0);
-        let (luxels, map) = match texinfo.filter(|_| lightmapped) {
-            Some(texinfo) => self.luxels(face, texinfo, offset, &vertices).unzip(),
-            None => (None, None),
+        let luxels = match texinfo.filter(|_| lightmapped) {
+            Some(texinfo) => self.luxels(face, texinfo, keys, offset, &vertices),
+            None => None,
+        };
+        let (luxels, map, vanilla_luxels) = match luxels {
+            Some((grid, map, vanilla)) => (Some(grid), Some(map), vanilla),
+            None => (None, None, None),
         };
         self.luxel_count += luxels.as_ref().map_or(0, |g| g.len() as u64);
         if self.luxel_count > LUXEL_LIMIT {
@@ -314,6 +320,7 @@ impl<'a> FaceReader<'a> {
             max_light: model.and_then(|m| m.max_light).unwrap_or(keys.max_light),
             colour_scale: model.and_then(|m| m.colour_scale).unwrap_or(keys.colour_scale),
             luxels,
+            vanilla_luxels,
         });
         self.wishes.push(wish);
         self.emissive.push(keys.surflight.clone());
@@ -324,29 +331,28 @@ impl<'a> FaceReader<'a> {
         Ok(())
     }
 
-    /// Luxel grid of a face; `None` if its texture axes are unusable.
+    /// Luxels of a face, and those that the texture gives if they differ; `None` if its axes are
+    /// unusable.
     fn luxels(
         &mut self,
         face: usize,
         texinfo: &TexInfo,
+        keys: &TexInfoKeys,
         offset: Vec3,
         vertices: &[Vec3],
-    ) -> Option<(LuxelGrid, LuxelMap)> {
-        let grid = || {
-            let extents = self.bsp.face_extents(face, self.world.luxel_size as f32).ok()?;
-            let plane = self.bsp.face_plane(face);
-            let map = LuxelMap::new(texinfo, plane, extents.mins, self.world.luxel_size)?;
-            let [s_row, t_row] = map.rows_at(offset);
-            let [s_step, t_step] = map.steps();
-            let [width, height] = extents.size;
-            let origin = map.world_of(0.0, 0.0) + offset;
-            Some((LuxelGrid { width, height, s_row, t_row, origin, s_step, t_step }, map))
-        };
-        let grid = grid();
-        if grid.is_none() {
+    ) -> Option<(LuxelGrid, LuxelMap, Option<LuxelGrid>)> {
+        let size = self.sizes.of_face(face, keys.world_units_per_luxel);
+        let vanilla = LuxelSize::Texels(self.sizes.vanilla);
+        let grid = luxel_grid::of_face(self.bsp, face, texinfo, size, offset);
+        let Some((grid, map)) = grid else {
             self.bad_axes.count(vertices);
-        }
-        grid
+            return None;
+        };
+        let vanilla = (size != vanilla)
+            .then(|| luxel_grid::of_face(self.bsp, face, texinfo, vanilla, offset))
+            .flatten()
+            .map(|(grid, _)| grid);
+        Some((grid, map, vanilla))
     }
 
     fn warn(&self, warnings: &mut Vec<String>) {

@@ -10,6 +10,8 @@ mod hull;
 mod keys;
 mod light_rays;
 pub mod lights;
+mod luxel_grid;
+mod luxel_size;
 pub mod luxels;
 mod materials;
 mod minlight;
@@ -40,6 +42,7 @@ pub use dirt::{DirtKeys, DirtSettings};
 pub use filter::Filters;
 pub use light_rays::{Arrival, LightRays};
 pub use lights::Light;
+pub use luxel_size::{LuxelSettings, LuxelSize};
 pub use luxels::Sample;
 pub use minlight::{Glow, Minlight};
 pub use models::{AutoMinlight, Model, ShadowClass};
@@ -71,6 +74,8 @@ pub struct Scene {
     pub suns: Vec<Sun>,
     /// The surfaces that emit light as areas.
     pub emitters: Vec<Emitter>,
+    /// Luxels follow the faces and not their textures.
+    pub decoupled: bool,
     /// What worldspawn sets for the whole map.
     pub world: WorldSettings,
     /// The surfaces that block all light.
@@ -81,8 +86,6 @@ pub struct Scene {
     pub filters: Filters,
     /// Solid space of the brush models.
     pub solid: Solid,
-    /// What the map asks for that is not simulated, one sentence each, sorted.
-    pub not_simulated: Vec<String>,
     /// What is odd about the map, one sentence each.
     pub warnings: Vec<String>,
     shapes: Vec<shape::Shape>,

@@ -3,7 +3,6 @@
 
 use glam::Vec3;
 use serde_json::Value;
-use std::collections::BTreeSet;
 
 /// Text of the files beside a map, as far as they exist.
 #[derive(Clone, Copy, Debug, Default)]
@@ -53,6 +52,8 @@ pub struct TexInfoKeys {
     pub minlight_colour: Option<Vec3>,
     /// What the faces say about the surface lights on them.
     pub surflight: SurflightKeys,
+    /// World units from luxel to luxel, where lightmaps do not follow the texture.
+    pub world_units_per_luxel: Option<f32>,
 }
 
 /// What a texinfo says about the surface lights on its faces.
@@ -92,20 +93,18 @@ impl Default for TexInfoKeys {
             minlight: None,
             minlight_colour: None,
             surflight: SurflightKeys::default(),
+            world_units_per_luxel: None,
         }
     }
 }
 
 /// Members that ask for an effect which is not simulated yet.
-const NOT_SIMULATED: [(&str, &str); 1] = [("world_units_per_luxel", "decoupled lightmaps")];
-
 /// Keys per texinfo, `count` of them. An unusable text counts as absent and gives a warning, as in
-/// the reference; members that are not simulated are added to `not_simulated`.
+/// the reference.
 pub(crate) fn texinfo_keys(
     text: Option<&str>,
     count: usize,
     warnings: &mut Vec<String>,
-    not_simulated: &mut BTreeSet<String>,
 ) -> Vec<TexInfoKeys> {
     let mut keys = vec![TexInfoKeys::default(); count];
     let Some(text) = text else { return keys };
@@ -135,11 +134,6 @@ pub(crate) fn texinfo_keys(
     }
     for (index, value) in parsed {
         keys[index] = read_keys(value);
-        for (member, effect) in NOT_SIMULATED {
-            if value.get(member).is_some_and(|v| v.as_f64() != Some(0.0)) {
-                not_simulated.insert(format!("texinfo.json {member}: {effect} not simulated yet"));
-            }
-        }
     }
     keys
 }
@@ -184,6 +178,7 @@ fn read_keys(value: &Value) -> TexInfoKeys {
             minlight_scale: number("surflight_minlight_scale"),
             attenuation: number("surflight_atten"),
         },
+        world_units_per_luxel: number("world_units_per_luxel"),
     }
 }
 
@@ -224,29 +219,29 @@ pub(crate) fn solid_leafs(
 mod tests {
     use super::*;
 
-    fn keys(text: &str, count: usize) -> (Vec<TexInfoKeys>, Vec<String>, BTreeSet<String>) {
-        let (mut warnings, mut missing) = (Vec::new(), BTreeSet::new());
-        let keys = texinfo_keys(Some(text), count, &mut warnings, &mut missing);
-        (keys, warnings, missing)
+    fn keys(text: &str, count: usize) -> (Vec<TexInfoKeys>, Vec<String>) {
+        let mut warnings = Vec::new();
+        let keys = texinfo_keys(Some(text), count, &mut warnings);
+        (keys, warnings)
     }
 
     #[test]
     fn members_are_read_and_others_keep_their_defaults() {
         let text = r#"{"0":{},"1":{"no_shadow":true,"phong_angle":89.0,"surflight_group":3,
             "minlight":25,"minlight_color":[10,20,30],"world_units_per_luxel":8}}"#;
-        let (keys, warnings, missing) = keys(text, 2);
+        let (keys, warnings) = keys(text, 2);
         assert!(warnings.is_empty());
         assert_eq!(keys[0], TexInfoKeys::default());
         assert!(keys[1].no_shadow && keys[1].phong_angle == 89.0 && keys[1].surflight_group == 3);
         assert_eq!(keys[1].minlight, Some(25.0));
         assert_eq!(keys[1].minlight_colour, Some(Vec3::new(10.0, 20.0, 30.0)));
-        assert_eq!(missing.len(), 1, "luxels of another size: {missing:?}");
+        assert_eq!(keys[1].world_units_per_luxel, Some(8.0));
     }
 
     #[test]
     fn unusable_files_are_ignored_whole_with_one_warning() {
         for text in [r#"{"0":{"no_shadow":true},"7":{}}"#, "[]", "{", r#"{"x":{}}"#] {
-            let (keys, warnings, _) = keys(text, 1);
+            let (keys, warnings) = keys(text, 1);
             assert_eq!(keys, [TexInfoKeys::default()], "{text}");
             assert_eq!(warnings.len(), 1, "{text}");
         }

@@ -107,6 +107,9 @@ pub struct Surface {
     pub colour_scale: f32,
     /// Luxels, for faces that get a lightmap.
     pub luxels: Option<LuxelGrid>,
+    /// The luxels that engines expect which know only the size that the texture gives, where `luxels`
+    /// has another.
+    pub vanilla_luxels: Option<LuxelGrid>,
 }
 
 impl Surface {

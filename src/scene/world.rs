@@ -5,7 +5,6 @@ use super::keys;
 use super::radiosity_lights::SurflightSettings;
 use crate::bsp::Entity;
 use glam::Vec3;
-use std::collections::BTreeSet;
 
 /// Worldspawn settings. Any of them may be spelled with leading underscores.
 #[derive(Clone, Debug, PartialEq)]
@@ -74,16 +73,9 @@ impl Default for WorldSettings {
     }
 }
 
-/// Keys that ask for effects not simulated yet, with the effect.
-const NOT_SIMULATED: [(&str, &str); 1] = [("world_units_per_luxel", "decoupled lightmaps")];
-
 impl WorldSettings {
     /// Reads the keys of worldspawn. Unusable values keep the default with a warning.
-    pub(crate) fn read(
-        world: &Entity,
-        warnings: &mut Vec<String>,
-        not_simulated: &mut BTreeSet<String>,
-    ) -> Self {
+    pub(crate) fn read(world: &Entity, warnings: &mut Vec<String>) -> Self {
         let mut s = Self::default();
         let mut set = |names: &[&str], low: f32, high: f32, value: &mut f32| {
             for name in names {
@@ -131,11 +123,6 @@ impl WorldSettings {
                 "worldspawn gate: {} drops light that can be seen; use 1 or less",
                 s.gate
             ));
-        }
-        for (name, effect) in NOT_SIMULATED {
-            if world.setting(name).and_then(keys::number).is_some_and(|v| v > 0.0) {
-                not_simulated.insert(format!("worldspawn {name}: {effect} not simulated yet"));
-            }
         }
         s
     }

@@ -1,0 +1,163 @@
+//! Puts finished lightmaps into the map and into a `.lit` file, as the outputs ask.
+
+use crate::bsp::{Bsp, BspxLump, write_hdr_lit, write_lit};
+use crate::lightmap::{Block, FinishedFace, Packed, hdr_colour};
+use crate::outputs::{LitFile, Outputs};
+use crate::scene::{Scene, Surface};
+use crate::{Error, Result};
+
+/// What ends a list of styles.
+const NO_STYLE: u8 = 255;
+/// Styles that the record of a face holds.
+const RECORD_STYLES: usize = 4;
+/// Bytes a face in `DECOUPLED_LM`.
+const DECOUPLED_SIZE: usize = 40;
+
+/// Replaces the lighting of `bsp`. Returns the bytes of the `.lit` file, if there is to be one.
+pub(crate) fn store(
+    bsp: &mut Bsp,
+    packed: &Packed,
+    scene: &Scene,
+    outputs: &Outputs,
+) -> Option<Vec<u8>> {
+    let Packed { mono, rgb, hdr, faces, blocks, coloured } = packed;
+    let bspx_rgb = outputs.bspx_rgb(*coloured);
+    // Engines take the colours instead where the lump is empty.
+    let held_elsewhere = bspx_rgb || outputs.bspx_hdr;
+    let mono = if outputs.vanilla || !held_elsewhere { mono.clone() } else { Vec::new() };
+    bsp.set_lighting(mono, faces);
+    if bspx_rgb {
+        put(bsp, "RGBLIGHTING", rgb.clone());
+    }
+    if outputs.bspx_hdr {
+        put(bsp, "LIGHTING_E5BGR9", hdr.iter().flat_map(|c| c.to_le_bytes()).collect());
+    }
+    store_sizes(bsp, blocks, scene, outputs);
+    store_styles(bsp, blocks);
+    match outputs.lit {
+        LitFile::Hdr => Some(write_hdr_lit(hdr)),
+        _ => outputs.rgb_file(*coloured).then(|| write_lit(rgb)),
+    }
+}
+
+/// Writes which luxels the faces have and where, as far as their records cannot tell.
+fn store_sizes(bsp: &mut Bsp, blocks: &[Block], scene: &Scene, outputs: &Outputs) {
+    if scene.decoupled {
+        bsp.bspx.retain(|lump| lump.name != "LMSHIFT");
+        let mut decoupled = Vec::with_capacity(blocks.len() * DECOUPLED_SIZE);
+        for (block, surface) in blocks.iter().zip(&scene.surfaces) {
+            push_decoupled(&mut decoupled, block.offset, surface);
+        }
+        put(bsp, "DECOUPLED_LM", decoupled);
+        return;
+    }
+    if let Some(shift) = outputs.luxels.shift {
+        put(bsp, "LMSHIFT", vec![shift; blocks.len()]);
+    }
+    if blocks.iter().zip(&bsp.faces).any(|(block, face)| block.offset != face.light_offset) {
+        let offsets = blocks.iter().flat_map(|b| b.offset.to_le_bytes()).collect();
+        put(bsp, "LMOFFSET", offsets);
+    }
+}
+
+/// Appends the entry of a face: columns and rows, the place of its lightmaps, and how points of its
+/// model become luxel coordinates.
+fn push_decoupled(out: &mut Vec<u8>, offset: i32, surface: &Surface) {
+    let Some(grid) = &surface.luxels else {
+        // No luxels: nothing but zeros and no place.
+        let end = out.len() + DECOUPLED_SIZE;
+        out.extend_from_slice(&[0; 4]);
+        out.extend_from_slice(&(-1_i32).to_le_bytes());
+        out.resize(end, 0);
+        return;
+    };
+    for side in [grid.width, grid.height] {
+        let side = u16::try_from(side).expect("a side has at most MAX_LUXELS luxels");
+        out.extend_from_slice(&side.to_le_bytes());
+    }
+    out.extend_from_slice(&offset.to_le_bytes());
+    for row in [grid.s_row, grid.t_row] {
+        // The rows of the grid are for the world, where the model is moved.
+        let w = row.w + row.truncate().dot(surface.offset);
+        for number in [row.x, row.y, row.z, w] {
+            out.extend_from_slice(&number.to_le_bytes());
+        }
+    }
+}
+
+/// Writes the styles of the faces, if one has more than its record holds.
+fn store_styles(bsp: &mut Bsp, blocks: &[Block]) {
+    let most = blocks.iter().map(|b| b.styles.len()).max().unwrap_or(0);
+    if most > RECORD_STYLES {
+        let styles = blocks.iter().flat_map(|block| {
+            block.styles.iter().copied().chain(std::iter::repeat(NO_STYLE)).take(most)
+        });
+        let styles = styles.collect();
+        put(bsp, "LMSTYLE", styles);
+    }
+}
+
+/// Adds or replaces a lump.
+fn put(bsp: &mut Bsp, name: &str, data: Vec<u8>) {
+    match bsp.bspx.iter_mut().find(|lump| lump.name == name) {
+        Some(lump) => lump.data = data,
+        None => bsp.bspx.push(BspxLump { name: name.into(), data }),
+    }
+}
+
+/// The lighting of a `.lit` file for the lightmaps that `bsp` has.
+pub(crate) struct LitOnly {
+    /// Three levels for each byte of the lighting lump.
+    pub rgb: Vec<u8>,
+    /// Bytes of the file.
+    pub file: Vec<u8>,
+}
+
+/// Colours for the lightmaps that `bsp` has, from new ones: zeros for a style that lights a face no more.
+///
+/// # Errors
+/// If the map has no lightmaps, or not those of the luxel size that its textures give.
+pub(crate) fn lit_only(
+    bsp: &Bsp,
+    scene: &Scene,
+    faces: &[FinishedFace],
+    outputs: &Outputs,
+) -> Result<LitOnly> {
+    let wrong = |problem: String| Err(Error::format("lighting lump", problem));
+    let samples = bsp.lighting.len();
+    if samples == 0 {
+        return wrong(
+            "it is empty, so --litonly has nothing to colour: light the map first".into(),
+        );
+    }
+    if let Some(lump) = bsp.bspx.iter().find(|l| ["LMOFFSET", "DECOUPLED_LM"].contains(&&*l.name)) {
+        return wrong(format!(
+            "--litonly cannot follow the {} lump: light the map as a whole",
+            lump.name
+        ));
+    }
+    let (mut rgb, mut hdr) = (vec![0; 3 * samples], vec![0; samples]);
+    for (index, (record, face)) in bsp.faces.iter().zip(faces).enumerate() {
+        let Some(grid) = &scene.surfaces[index].luxels else { continue };
+        let Ok(first) = usize::try_from(record.light_offset) else { continue };
+        let styles = record.styles.iter().take_while(|&&style| style != NO_STYLE);
+        for (slot, style) in styles.enumerate() {
+            let begin = first + slot * grid.len();
+            let range = begin..begin + grid.len();
+            if range.end > samples {
+                return wrong(format!(
+                    "face {index} has luxels {begin} to {} of {samples}: was the map lit with \
+                     another luxel size? Light it as a whole",
+                    range.end
+                ));
+            }
+            let Some(map) = face.styles.iter().find(|map| map.style == *style) else { continue };
+            for ((at, level), light) in range.zip(&map.levels).zip(&map.light) {
+                rgb[3 * at..3 * at + 3].copy_from_slice(level);
+                hdr[at] = hdr_colour(*light);
+            }
+        }
+    }
+    let file = if outputs.lit == LitFile::Hdr { write_hdr_lit(&hdr) } else { write_lit(&rgb) };
+    Ok(LitOnly { rgb, file })
+}
