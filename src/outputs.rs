@@ -1,4 +1,4 @@
-//! Which files and lumps a map run writes: checked once, and followed by [`crate::store`].
+//! Which files and lumps a map run writes: checked once, and followed by the `store` stage.
 
 use crate::lightmap::StyleChoice;
 use crate::scene::LuxelSettings;
