@@ -1,5 +1,7 @@
 //! The text scene format: what it keeps, repairs and refuses.
 
+mod support;
+
 use glam::DVec3;
 use proptest::prelude::*;
 use qrad::patch::{CameraSpec, MAX_REFLECTANCE, Quad, Reading, Repair, TextScene, decode};
@@ -33,13 +35,8 @@ fn quad_refused(quad: &str, words: &str) {
 
 /// The shared test scenes, or nothing (said once) where they are absent.
 fn shared_scenes() -> Vec<PathBuf> {
-    let root = std::env::var_os("QRAD_SHARED")
-        .map_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared"), PathBuf::from);
-    let Ok(folder) = std::fs::read_dir(root.join("scenes")) else {
-        println!("skipped: no shared scenes at {}", root.display());
-        return Vec::new();
-    };
-    let paths = folder.map(|entry| entry.unwrap().path());
+    let Some(shared) = support::shared_dir() else { return Vec::new() };
+    let paths = std::fs::read_dir(shared.join("scenes")).unwrap().map(|e| e.unwrap().path());
     paths.filter(|p| p.extension().is_some_and(|e| e == "txt")).collect()
 }
 

@@ -93,9 +93,20 @@ impl<'a> ShadowRays<'a> {
         way: DVec3,
         found: &mut Vec<(f64, u32, Contact)>,
     ) {
+        found.clear();
+        self.walk(start, way, |polygon, contact, t| {
+            if contact != Contact::None {
+                found.push((t, polygon, contact));
+            }
+            true
+        });
+    }
+
+    /// Calls `visit(polygon, contact, distance)` for the polygons whose boxes a ray meets, until it
+    /// returns false.
+    fn walk(&mut self, start: DVec3, way: DVec3, mut visit: impl FnMut(u32, Contact, f64) -> bool) {
         let nodes = self.tracer.nodes();
         let slabs = Slabs::new(start.as_vec3(), way.as_vec3());
-        found.clear();
         self.stack.clear();
         if !nodes.is_empty() {
             self.stack.push(0);
@@ -112,8 +123,8 @@ impl<'a> ShadowRays<'a> {
             for slot in node.first..node.first + node.count {
                 let (corners, _, polygon) = self.tracer.polygon(slot);
                 let (contact, t) = meet(corners, start, way);
-                if contact != Contact::None {
-                    found.push((t, polygon, contact));
+                if !visit(polygon, contact, t) {
+                    return;
                 }
             }
         }
@@ -125,36 +136,21 @@ impl<'a> ShadowRays<'a> {
 
     /// The closest contact of a ray with any polygon.
     fn contact(&mut self, start: DVec3, way: DVec3) -> Contact {
-        let nodes = self.tracer.nodes();
-        let slabs = Slabs::new(start.as_vec3(), way.as_vec3());
         let mut best = Contact::None;
-        self.stack.clear();
-        self.touched.clear();
-        if !nodes.is_empty() {
-            self.stack.push(0);
-        }
-        while let Some(node) = self.stack.pop() {
-            let node = &nodes[node as usize];
-            if !slabs.meet(node.min, node.max) {
-                continue;
+        let mut blocker = None;
+        let mut touched = std::mem::take(&mut self.touched);
+        touched.clear();
+        self.walk(start, way, |polygon, contact, _| {
+            best = best.max(contact);
+            match contact {
+                Contact::Inside => blocker = Some(polygon),
+                Contact::Edge => touched.push(polygon),
+                Contact::None => {}
             }
-            if node.count == 0 {
-                self.stack.extend([node.first + 1, node.first]);
-                continue;
-            }
-            for slot in node.first..node.first + node.count {
-                let (corners, _, polygon) = self.tracer.polygon(slot);
-                let (contact, _) = meet(corners, start, way);
-                if contact == Contact::Inside {
-                    self.last_blocker = Some(polygon);
-                    return contact;
-                }
-                if contact == Contact::Edge {
-                    self.touched.push(polygon);
-                    best = contact;
-                }
-            }
-        }
+            contact != Contact::Inside
+        });
+        self.touched = touched;
+        self.last_blocker = blocker.or(self.last_blocker);
         best
     }
 }

@@ -69,7 +69,8 @@ impl LitMap {
     }
 }
 
-fn texinfo(bsp: &Bsp, keys: impl Fn(&str) -> Option<&'static str>) -> String {
+/// A texinfo.json with the members that `keys` gives for textures, by name.
+pub fn texinfo(bsp: &Bsp, keys: impl Fn(&str) -> Option<&'static str>) -> String {
     let members: Vec<String> = bsp
         .texinfos
         .iter()

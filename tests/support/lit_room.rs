@@ -1,5 +1,6 @@
 //! Direct light in small rooms, luxel by luxel.
 
+use super::lit_levels::texinfo;
 use super::map_builder::MapBuilder;
 use glam::Vec3;
 use qrad::bsp::Format;
@@ -25,16 +26,7 @@ impl LitRoom {
     /// With the members that `keys` gives for textures, by name, in texinfo.json.
     pub fn with_texinfo(map: &MapBuilder, keys: impl Fn(&str) -> Option<&'static str>) -> Self {
         let bsp = map.build(Format::Bsp29);
-        let members: Vec<String> = bsp
-            .texinfos
-            .iter()
-            .enumerate()
-            .filter_map(|(i, t)| {
-                let name = &bsp.textures[t.miptex as usize].as_ref().unwrap().name;
-                Some(format!("\"{i}\": {}", keys(name)?))
-            })
-            .collect();
-        let texinfo = format!("{{{}}}", members.join(","));
+        let texinfo = texinfo(&bsp, keys);
         let sidecar = Sidecar { texinfo: Some(&texinfo), ..Sidecar::default() };
         let scene = Scene::build(&bsp, sidecar, &SceneSettings::default()).unwrap();
         let unexpected = |w: &&String| !w.contains("reflect more than");
