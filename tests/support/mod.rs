@@ -15,7 +15,7 @@ use std::path::{Path, PathBuf};
 /// The folder of read-only test material: `QRAD_SHARED`, or `shared` beside the project. Prints a line
 /// and returns `None` where there is none: the test that asked then has nothing to check.
 pub fn shared_dir() -> Option<PathBuf> {
-    let beside = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared");
+    let beside = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared"); // may be absent
     let dir = std::env::var_os("QRAD_SHARED").map_or(beside, PathBuf::from);
     if dir.join("maps").is_dir() {
         return Some(dir);
