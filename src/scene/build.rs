@@ -17,6 +17,7 @@ use super::radiosity_lights::{self, Emissive};
 use super::random::Random;
 use super::shape::{AREA_EPS, LuxelMap, Shape, area_and_centre};
 use super::sidecar::{self, Sidecar, SurflightKeys, TexInfoKeys};
+use super::sky_rays::Sky;
 use super::solid::Solid;
 use super::suns;
 use super::surface::{LuxelGrid, Role, Surface};
@@ -136,6 +137,8 @@ impl Scene {
         let suns = suns::make(&worldspawn, &world, &sky, &mut random)?;
 
         let (tracer, tracer_surface) = build_tracer(&surfaces);
+        let is_sky = |&s: &u32| surfaces[s as usize].role == Role::Sky;
+        let sky = Sky::new(tracer.polygons(), tracer_surface.iter().map(is_sky).collect());
         let filters = Filters::new(bsp, &surfaces, &names, &models, settings, &mut warnings);
         Ok(Self {
             surfaces,
@@ -148,6 +151,7 @@ impl Scene {
             decoupled: wanted.world_units.is_some(),
             world,
             tracer,
+            sky,
             tracer_surface,
             filters,
             solid,

@@ -1,7 +1,7 @@
 //! The first polygon that a ray meets, with the care for edges that [`super::shadow`] describes: a
 //! ray through the seam of two polygons meets one of them.
 
-use super::shadow::{BESIDE, Contact, ShadowRays, Slabs, meet};
+use super::shadow::{BESIDE, Contact, ShadowRays, corners, meet};
 use super::tie;
 use super::tracer::Hit;
 use glam::{DVec3, Vec3};
@@ -69,8 +69,6 @@ impl ShadowRays<'_> {
     }
 
     fn meetings(&mut self, start: DVec3, way: DVec3) -> Meetings {
-        let nodes = self.tracer.nodes();
-        let slabs = Slabs::new(start.as_vec3(), way.as_vec3());
         let mut found = Meetings { inside: None, edges: Vec::new() };
         // What was met last is likely to be met again and then bounds the search.
         if let Some(last) = self.last_first {
@@ -79,42 +77,22 @@ impl ShadowRays<'_> {
                 found.inside = Some((t, last));
             }
         }
-        let mut open = std::mem::take(&mut self.near_first);
-        open.clear();
-        if let Some(root) = nodes.first() {
-            open.push((slabs.entry(root.min, root.max), 0));
-        }
-        while let Some((entry, node)) = open.pop() {
-            let limit = found.inside.map_or(1.0, |m| m.0);
-            if f64::from(entry) > limit {
-                continue;
-            }
-            let node = &nodes[node as usize];
-            if node.count == 0 {
-                let child = |i: u32| {
-                    let n = &nodes[i as usize];
-                    (slabs.entry(n.min, n.max), i)
-                };
-                let (a, b) = (child(node.first), child(node.first + 1));
-                let (near, far) = if a.0 <= b.0 { (a, b) } else { (b, a) };
-                open.extend([far, near].into_iter().filter(|n| n.0 <= 1.0));
-                continue;
-            }
-            for slot in node.first..node.first + node.count {
-                let (corners, _, polygon) = self.tracer.polygon(slot);
-                match meet(corners, start, way) {
-                    (Contact::None, _) => {}
-                    (Contact::Edge, t) => found.edges.push((t, polygon)),
-                    (Contact::Inside, t) => {
-                        let nearer = |m: (f64, u32)| t < m.0 || t == m.0 && polygon < m.1;
-                        if found.inside.is_none_or(nearer) {
-                            found.inside = Some((t, polygon));
-                        }
+        let tracer = self.tracer;
+        let limit = |m: Option<(f64, u32)>| m.map_or(1.0, |m| m.0 as f32 * (1.0 + f32::EPSILON));
+        let (start32, way32, at_most) = (start.as_vec3(), way.as_vec3(), limit(found.inside));
+        tracer.wide().walk(start32, way32, at_most, &mut self.stack, |polygon, _| {
+            match meet(corners(tracer, polygon), start, way) {
+                (Contact::None, _) => {}
+                (Contact::Edge, t) => found.edges.push((t, polygon)),
+                (Contact::Inside, t) => {
+                    let nearer = |m: (f64, u32)| t < m.0 || t == m.0 && polygon < m.1;
+                    if found.inside.is_none_or(nearer) {
+                        found.inside = Some((t, polygon));
                     }
                 }
             }
-        }
-        self.near_first = open;
+            limit(found.inside)
+        });
         if let Some((limit, _)) = found.inside {
             found.edges.retain(|e| e.0 < limit);
         }

@@ -5,6 +5,7 @@ use super::Scene;
 use super::exact::length;
 use super::filter::{Effect, Ray};
 use super::shadow::{Contact, ShadowRays};
+use super::sky_rays::View;
 use super::tie;
 use glam::Vec3;
 
@@ -82,7 +83,11 @@ impl<'a> LightRays<'a> {
     pub fn from_sky(&mut self, at: Vec3, direction: Vec3, colour: Vec3) -> Option<(u32, Arrival)> {
         /// Length of the rays, in world units.
         const SKY_DISTANCE: f32 = 1_000_000.0;
-        let hit = self.opaque.first_hit(at, direction, SKY_DISTANCE)?;
+        let hit = match self.opaque.view(&self.scene.sky, at, direction, SKY_DISTANCE) {
+            View::Sky(hit) => hit,
+            View::NoSky => return None,
+            View::Unsure => self.opaque.first_hit(at, direction, SKY_DISTANCE)?,
+        };
         let surface = self.scene.tracer_surface[hit.polygon as usize];
         if self.scene.surfaces[surface as usize].role != super::Role::Sky {
             return None;

@@ -26,6 +26,7 @@ mod random;
 mod shadow;
 mod shape;
 mod sidecar;
+mod sky_rays;
 mod solid;
 mod suns;
 mod surface;
@@ -34,6 +35,7 @@ mod texels;
 mod tie;
 mod tracer;
 mod wander;
+mod wide_tree;
 mod winding;
 mod world;
 
@@ -50,6 +52,7 @@ pub use projection::Projection;
 pub use radiosity_lights::{EmissiveQuality, RadiosityLight, SurflightSettings};
 pub use shadow::ShadowRays;
 pub use sidecar::Sidecar;
+pub use sky_rays::Sky;
 pub use solid::Solid;
 pub use suns::Sun;
 pub use surface::{LuxelGrid, Role, Surface};
@@ -80,6 +83,8 @@ pub struct Scene {
     pub world: WorldSettings,
     /// The surfaces that block all light.
     pub tracer: Tracer,
+    /// The sky among its polygons.
+    pub sky: Sky,
     /// Index in `surfaces` of each polygon of `tracer`.
     pub tracer_surface: Vec<u32>,
     /// What blocks some light, or changes it.

@@ -7,14 +7,16 @@
 
 use super::tie;
 use super::tracer::Tracer;
+use super::wide_tree::Child;
 use glam::{DVec3, Vec3};
 
 /// Barycentric distance to an edge, relative to the triangle, below which a ray meets the edge.
 const ON_EDGE: f64 = 1e-6;
 /// How far beside a ray its neighbours run, in world units.
 pub(super) const BESIDE: f64 = 1.0 / 512.0;
-/// By how much boxes are widened, in world units: more than the rounding of their tests.
-const BOX_MARGIN: f32 = 1.0 / 64.0;
+
+/// No part of a ray is of interest any more.
+const STOP: f32 = -1.0;
 
 /// Traces shadow rays and remembers what blocked the last one, as the next is likely to meet it too.
 /// What it remembers makes it faster but does not change an answer.
@@ -22,9 +24,9 @@ pub struct ShadowRays<'a> {
     pub(super) tracer: &'a Tracer,
     last_blocker: Option<u32>,
     pub(super) last_first: Option<u32>,
-    stack: Vec<u32>,
-    /// Nodes to visit, and where the ray enters them.
-    pub(super) near_first: Vec<(f32, u32)>,
+    pub(super) last_before_sky: Option<u32>,
+    /// Room for the walk through the tree.
+    pub(super) stack: Vec<(f32, Child)>,
     /// Polygons that the last ray met at an edge.
     touched: Vec<u32>,
     pub(super) rays: u64,
@@ -45,8 +47,8 @@ impl<'a> ShadowRays<'a> {
             tracer,
             last_blocker: None,
             last_first: None,
+            last_before_sky: None,
             stack: Vec::new(),
-            near_first: Vec::new(),
             touched: Vec::new(),
             rays: 0,
         }
@@ -94,93 +96,54 @@ impl<'a> ShadowRays<'a> {
         found: &mut Vec<(f64, u32, Contact)>,
     ) {
         found.clear();
-        self.walk(start, way, |polygon, contact, t| {
+        let tracer = self.tracer;
+        tracer.wide().walk(start.as_vec3(), way.as_vec3(), 1.0, &mut self.stack, |polygon, _| {
+            let (contact, t) = meet(corners(tracer, polygon), start, way);
             if contact != Contact::None {
                 found.push((t, polygon, contact));
             }
-            true
+            1.0
         });
     }
 
-    /// Calls `visit(polygon, contact, distance)` for the polygons whose boxes a ray meets, until it
-    /// returns false.
-    fn walk(&mut self, start: DVec3, way: DVec3, mut visit: impl FnMut(u32, Contact, f64) -> bool) {
-        let nodes = self.tracer.nodes();
-        let slabs = Slabs::new(start.as_vec3(), way.as_vec3());
-        self.stack.clear();
-        if !nodes.is_empty() {
-            self.stack.push(0);
-        }
-        while let Some(node) = self.stack.pop() {
-            let node = &nodes[node as usize];
-            if !slabs.meet(node.min, node.max) {
-                continue;
-            }
-            if node.count == 0 {
-                self.stack.extend([node.first + 1, node.first]);
-                continue;
-            }
-            for slot in node.first..node.first + node.count {
-                let (corners, _, polygon) = self.tracer.polygon(slot);
-                let (contact, t) = meet(corners, start, way);
-                if !visit(polygon, contact, t) {
-                    return;
-                }
-            }
-        }
-    }
-
     pub(super) fn corners(&self, polygon: u32) -> &'a [Vec3] {
-        &self.tracer.polygons()[polygon as usize].vertices
+        corners(self.tracer, polygon)
     }
 
     /// The closest contact of a ray with any polygon.
     fn contact(&mut self, start: DVec3, way: DVec3) -> Contact {
         let mut best = Contact::None;
-        let mut blocker = None;
-        let mut touched = std::mem::take(&mut self.touched);
+        let (tracer, touched) = (self.tracer, &mut self.touched);
         touched.clear();
-        self.walk(start, way, |polygon, contact, _| {
-            best = best.max(contact);
-            match contact {
-                Contact::Inside => blocker = Some(polygon),
-                Contact::Edge => touched.push(polygon),
-                Contact::None => {}
-            }
-            contact != Contact::Inside
-        });
-        self.touched = touched;
-        self.last_blocker = blocker.or(self.last_blocker);
+        tracer.wide().walk(
+            start.as_vec3(),
+            way.as_vec3(),
+            1.0,
+            &mut self.stack,
+            |polygon, surely| {
+                let contact = if surely {
+                    Contact::Inside
+                } else {
+                    meet(corners(tracer, polygon), start, way).0
+                };
+                best = best.max(contact);
+                match contact {
+                    Contact::Inside => {
+                        self.last_blocker = Some(polygon);
+                        return STOP;
+                    }
+                    Contact::Edge => touched.push(polygon),
+                    Contact::None => {}
+                }
+                1.0
+            },
+        );
         best
     }
 }
 
-/// A ray prepared for tests against boxes.
-pub(super) struct Slabs {
-    start: Vec3,
-    inverse: Vec3,
-}
-
-impl Slabs {
-    pub fn new(start: Vec3, way: Vec3) -> Self {
-        // A component of zero gets a huge finite inverse, so that no product is 0 times infinity.
-        let inverse = way.to_array().map(|d| if d.abs() < 1e-30 { 1e30 } else { 1.0 / d });
-        Self { start, inverse: Vec3::from(inverse) }
-    }
-
-    fn meet(&self, min: Vec3, max: Vec3) -> bool {
-        self.entry(min, max) <= 1.0
-    }
-
-    /// Where the ray enters a box, in lengths of its way; infinite if it misses the box or ends
-    /// before it.
-    pub fn entry(&self, min: Vec3, max: Vec3) -> f32 {
-        let margin = Vec3::splat(BOX_MARGIN);
-        let a = (min - margin - self.start) * self.inverse;
-        let b = (max + margin - self.start) * self.inverse;
-        let entry = a.min(b).max_element().max(0.0);
-        if entry <= a.max(b).min_element().min(1.0) { entry } else { f32::INFINITY }
-    }
+pub(super) fn corners(tracer: &Tracer, polygon: u32) -> &[Vec3] {
+    &tracer.polygons()[polygon as usize].vertices
 }
 
 /// How the ray `start + t way`, 0 < t <= 1, meets the fan of triangles around a polygon's first

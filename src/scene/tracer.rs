@@ -1,5 +1,6 @@
 //! The polygons of a scene in a bounding volume hierarchy. The only file that uses `obvhs`.
 
+use super::wide_tree::WideTree;
 use glam::Vec3;
 use obvhs::BvhBuildParams;
 use obvhs::aabb::Aabb;
@@ -51,6 +52,7 @@ pub struct Tracer {
     ends: Vec<u32>,
     /// Normal of each slot's polygon.
     normals: Vec<Vec3>,
+    wide: WideTree,
 }
 
 impl Tracer {
@@ -88,7 +90,13 @@ impl Tracer {
             ends.push(corners.len() as u32);
             normals.push(polygon.normal);
         }
-        Self { polygons, bvh, nodes, corners, ends, normals }
+        let mut tracer =
+            Self { polygons, bvh, nodes, corners, ends, normals, wide: WideTree::default() };
+        tracer.wide = WideTree::new(&tracer.nodes, |slot| {
+            let (corners, _, polygon) = tracer.polygon(slot);
+            (corners, polygon)
+        });
+        tracer
     }
 
     /// The polygons, in the order given.
@@ -99,6 +107,11 @@ impl Tracer {
     /// The nodes; the root is node 0. Empty for an empty scene.
     pub fn nodes(&self) -> &[Node] {
         &self.nodes
+    }
+
+    /// The same hierarchy for shadow rays.
+    pub(super) fn wide(&self) -> &WideTree {
+        &self.wide
     }
 
     /// Corner points, normal and index of the polygon in a leaf's slot.

@@ -1,0 +1,102 @@
+//! Whether a ray sees the sky, without a search for the first thing that it meets. Where a ray meets
+//! edges this file gives no answer and [`super::first_hit`] decides.
+
+use super::shadow::{Contact, ShadowRays, corners, meet};
+use super::tracer::{Hit, Polygon, Tracer};
+use glam::Vec3;
+
+/// The sky polygons of a scene.
+pub struct Sky {
+    tracer: Tracer,
+    /// Index in the scene's tracer of each polygon of `tracer`.
+    polygons: Vec<u32>,
+    /// Whether each polygon of the scene's tracer is sky.
+    is_sky: Vec<bool>,
+}
+
+impl Sky {
+    /// Picks the sky out of `all`.
+    pub(super) fn new(all: &[Polygon], is_sky: Vec<bool>) -> Self {
+        let polygons: Vec<u32> = (0..all.len() as u32).filter(|&p| is_sky[p as usize]).collect();
+        let own = polygons.iter().map(|&p| all[p as usize].clone()).collect();
+        Self { tracer: Tracer::new(own), polygons, is_sky }
+    }
+}
+
+/// What a ray meets first.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum View {
+    /// Sky.
+    Sky(Hit),
+    /// Something else, or nothing.
+    NoSky,
+    /// Rounding matters.
+    Unsure,
+}
+
+impl ShadowRays<'_> {
+    /// Whether the first polygon within `reach` of `from` in the unit direction `direction` is sky.
+    /// One through `from` itself is not met.
+    pub(super) fn view(&mut self, sky: &Sky, from: Vec3, direction: Vec3, reach: f32) -> View {
+        let view = self.quick_view(sky, from, direction, reach);
+        self.rays += u64::from(view != View::Unsure);
+        view
+    }
+
+    fn quick_view(&mut self, sky: &Sky, from: Vec3, direction: Vec3, reach: f32) -> View {
+        let (start, way) = (from.as_dvec3(), direction.as_dvec3() * f64::from(reach));
+        let (start32, way32) = (start.as_vec3(), way.as_vec3());
+        let mut unsure = false;
+        let mut nearest: Option<(f64, u32)> = None;
+        sky.tracer.wide().walk(start32, way32, 1.0, &mut self.stack, |polygon, _| {
+            let (contact, t) = meet(corners(&sky.tracer, polygon), start, way);
+            match contact {
+                Contact::None => {}
+                Contact::Edge => unsure = true,
+                Contact::Inside => {
+                    let polygon = sky.polygons[polygon as usize];
+                    if nearest.is_none_or(|n| t < n.0 || t == n.0 && polygon < n.1) {
+                        nearest = Some((t, polygon));
+                    }
+                }
+            }
+            1.0
+        });
+        if unsure {
+            return View::Unsure;
+        }
+        let Some((t, polygon)) = nearest else { return View::NoSky };
+        if let Some(last) = self.last_before_sky {
+            let (contact, before) = meet(self.corners(last), start, way);
+            if contact == Contact::Inside && before < t {
+                return View::NoSky;
+            }
+        }
+        let (tracer, mut blocker) = (self.tracer, None);
+        let limit = t as f32 * (1.0 + f32::EPSILON);
+        tracer.wide().walk(start32, way32, limit, &mut self.stack, |other, surely| {
+            if sky.is_sky[other as usize] {
+                return limit;
+            }
+            if surely {
+                blocker = Some(other);
+                return -1.0;
+            }
+            let (contact, before) = meet(corners(tracer, other), start, way);
+            if contact == Contact::Inside && before < t {
+                blocker = Some(other);
+                return -1.0;
+            }
+            unsure |= contact != Contact::None;
+            limit
+        });
+        if blocker.is_some() {
+            self.last_before_sky = blocker;
+            View::NoSky
+        } else if unsure {
+            View::Unsure
+        } else {
+            View::Sky(Hit { polygon, distance: (t * f64::from(reach)) as f32 })
+        }
+    }
+}

@@ -1,0 +1,329 @@
+//! The triangles of a scene in a tree with four children a node, four triangles tested at a time in
+//! single precision. It finds what a ray may meet, quickly; [`super::shadow::meet`] then decides in
+//! double precision where rounding could matter.
+
+use super::tracer::Node;
+use glam::Vec3;
+use wide::{CmpGt, CmpLe, CmpLt, f32x4};
+
+/// Bound of the rounding of the triangle test, relative to the product of the lengths that go into
+/// it: each sum of products has fewer than 16 roundings.
+const ROUNDING: f32 = 16.0 * f32::EPSILON;
+/// Relative barycentric distance to an edge within which a ray counts as on the edge, widened.
+const NEAR_EDGE: f32 = 2e-6;
+/// Marks the lanes of a packet that hold no triangle.
+const NOTHING: u32 = u32::MAX;
+
+/// The tree.
+#[derive(Default)]
+pub(super) struct WideTree {
+    nodes: Vec<WideNode>,
+    packets: Vec<Packet>,
+    root: Option<Child>,
+}
+
+/// Boxes of up to four children; those of absent children are empty.
+struct WideNode {
+    min: [f32x4; 3],
+    max: [f32x4; 3],
+    children: [Child; 4],
+}
+
+/// An inner node (no packets) or a run of packets.
+#[derive(Clone, Copy, Default)]
+pub(super) struct Child {
+    first: u32,
+    packets: u32,
+}
+
+/// Four triangles.
+struct Packet {
+    corner: [f32x4; 3],
+    ab: [f32x4; 3],
+    ac: [f32x4; 3],
+    /// Length of the longer of the two edges, in the 1-norm.
+    size: f32x4,
+    /// That and the 1-norm of the corner.
+    extent: f32x4,
+    polygons: [u32; 4],
+}
+
+/// A ray prepared for the tests: the points `start + t way`, 0 < t <= 1.
+struct WideRay {
+    start: [f32x4; 3],
+    way: [f32x4; 3],
+    inverse: [f32x4; 3],
+    backwards: [bool; 3],
+    /// 1-norms of `start` and `way`.
+    place: f32x4,
+    length: f32x4,
+}
+
+impl WideRay {
+    fn new(start: Vec3, way: Vec3) -> Self {
+        // A component of zero gets a huge finite inverse, so that no product is 0 times infinity.
+        let inverse = way.to_array().map(|d| if d.abs() < 1e-30 { 1e30 } else { 1.0 / d });
+        Self {
+            start: start.to_array().map(f32x4::splat),
+            way: way.to_array().map(f32x4::splat),
+            inverse: inverse.map(f32x4::splat),
+            backwards: inverse.map(|i| i < 0.0),
+            place: f32x4::splat(start.abs().element_sum()),
+            length: f32x4::splat(way.abs().element_sum()),
+        }
+    }
+}
+
+impl WideTree {
+    /// Makes the tree from one of two children a node; `polygon(slot)` tells the corners and the
+    /// index of the polygon in a slot of its leafs.
+    pub fn new<'p>(nodes: &[Node], polygon: impl Fn(u32) -> (&'p [Vec3], u32)) -> Self {
+        let mut tree = Self::default();
+        if nodes.is_empty() {
+            return tree;
+        }
+        let triangles = triangles_under(nodes, &polygon);
+        let mut open = Vec::new();
+        tree.root = Some(tree.child(nodes, 0, &triangles, &polygon, &mut open));
+        while let Some((node, place)) = open.pop() {
+            let mut group = vec![node];
+            while let Some(at) = widest(nodes, &triangles, &group) {
+                let first = nodes[group[at] as usize].first;
+                group[at] = first;
+                group.push(first + 1);
+            }
+            let mut wide = WideNode {
+                min: [f32x4::splat(f32::INFINITY); 3],
+                max: [f32x4::splat(f32::NEG_INFINITY); 3],
+                children: [Child::default(); 4],
+            };
+            for (lane, &node) in group.iter().enumerate() {
+                let n = &nodes[node as usize];
+                for axis in 0..3 {
+                    wide.min[axis].as_array_mut()[lane] = n.min[axis] - margin(n.min[axis]);
+                    wide.max[axis].as_array_mut()[lane] = n.max[axis] + margin(n.max[axis]);
+                }
+                wide.children[lane] = tree.child(nodes, node, &triangles, &polygon, &mut open);
+            }
+            tree.nodes[place as usize] = wide;
+        }
+        tree
+    }
+
+    /// The child that stands for a node: its packets, or a place for an inner node that is put on
+    /// the list of those to be filled.
+    fn child<'p>(
+        &mut self,
+        nodes: &[Node],
+        node: u32,
+        triangles: &[u32],
+        polygon: &impl Fn(u32) -> (&'p [Vec3], u32),
+        open: &mut Vec<(u32, u32)>,
+    ) -> Child {
+        if !is_leaf(nodes, triangles, node) {
+            let place = self.nodes.len() as u32;
+            self.nodes.push(WideNode {
+                min: [f32x4::ZERO; 3],
+                max: [f32x4::ZERO; 3],
+                children: [Child::default(); 4],
+            });
+            open.push((node, place));
+            return Child { first: place, packets: 0 };
+        }
+        let mut all = Vec::new();
+        let mut below = vec![node];
+        while let Some(node) = below.pop() {
+            let n = &nodes[node as usize];
+            if n.count == 0 {
+                below.extend([n.first, n.first + 1]);
+            }
+            for slot in n.first..n.first + n.count {
+                let (v, index) = polygon(slot);
+                all.extend((2..v.len()).map(|i| ([v[0], v[i - 1], v[i]], index)));
+            }
+        }
+        let first = self.packets.len() as u32;
+        self.packets.extend(all.chunks(4).map(Packet::new));
+        Child { first, packets: self.packets.len() as u32 - first }
+    }
+
+    /// Calls `visit(polygon, surely)` for the polygons that the ray `start + t way` may meet with
+    /// 0 < t <= `limit`, the nearer parts of the tree first. `surely` tells that the ray meets the
+    /// polygon well inside one of its triangles. `visit` returns the limit from then on.
+    /// No polygon that the ray meets up to there is left out; each is shown once. `stack` is room to
+    /// work in.
+    pub fn walk(
+        &self,
+        start: Vec3,
+        way: Vec3,
+        mut limit: f32,
+        stack: &mut Vec<(f32, Child)>,
+        mut visit: impl FnMut(u32, bool) -> f32,
+    ) {
+        let ray = WideRay::new(start, way);
+        stack.clear();
+        stack.extend(self.root.map(|root| (0.0, root)));
+        while let Some((entry, child)) = stack.pop() {
+            if entry > limit {
+                continue;
+            }
+            if child.packets == 0 {
+                self.nodes[child.first as usize].push_met(&ray, limit, stack);
+                continue;
+            }
+            let first = child.first as usize;
+            let mut shown = NOTHING;
+            for packet in &self.packets[first..first + child.packets as usize] {
+                let (mut possible, sure) = packet.meet(&ray, limit);
+                while possible != 0 {
+                    let lane = possible.trailing_zeros();
+                    possible &= possible - 1;
+                    let polygon = packet.polygons[lane as usize];
+                    if polygon != shown && polygon != NOTHING {
+                        shown = polygon;
+                        limit = limit.min(visit(polygon, sure >> lane & 1 == 1));
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Number of triangles in the leafs under each node.
+fn triangles_under<'p>(nodes: &[Node], polygon: &impl Fn(u32) -> (&'p [Vec3], u32)) -> Vec<u32> {
+    let mut order = Vec::with_capacity(nodes.len());
+    let mut open = vec![0_u32];
+    while let Some(node) = open.pop() {
+        order.push(node);
+        let n = &nodes[node as usize];
+        if n.count == 0 {
+            open.extend([n.first, n.first + 1]);
+        }
+    }
+    let mut triangles = vec![0_u32; nodes.len()];
+    for &node in order.iter().rev() {
+        let n = &nodes[node as usize];
+        triangles[node as usize] = if n.count == 0 {
+            triangles[n.first as usize] + triangles[n.first as usize + 1]
+        } else {
+            (n.first..n.first + n.count).map(|slot| polygon(slot).0.len() as u32 - 2).sum()
+        };
+    }
+    triangles
+}
+
+/// By how much boxes are widened at a coordinate: more than the rounding of their tests.
+fn margin(coordinate: f32) -> f32 {
+    1.0 / 64.0 + 8.0 * f32::EPSILON * coordinate.abs()
+}
+
+/// Whether a node becomes a run of packets: where four triangles or fewer are under it.
+fn is_leaf(nodes: &[Node], triangles: &[u32], node: u32) -> bool {
+    nodes[node as usize].count > 0 || triangles[node as usize] <= 4
+}
+
+/// The member with the largest box among the inner nodes of a group that may still grow.
+fn widest(nodes: &[Node], triangles: &[u32], group: &[u32]) -> Option<usize> {
+    if group.len() == 4 {
+        return None;
+    }
+    let area = |at: usize| {
+        let n = &nodes[group[at] as usize];
+        let d = n.max - n.min;
+        d.x * d.y + d.y * d.z + d.z * d.x
+    };
+    (0..group.len())
+        .filter(|&at| !is_leaf(nodes, triangles, group[at]))
+        .max_by(|&a, &b| area(a).total_cmp(&area(b)))
+}
+
+impl WideNode {
+    /// Puts the children that the ray meets before `limit` on the stack, the nearest on top.
+    fn push_met(&self, ray: &WideRay, limit: f32, stack: &mut Vec<(f32, Child)>) {
+        let (mut entry, mut exit) = (f32x4::ZERO, f32x4::splat(limit));
+        for axis in 0..3 {
+            let (near, far) = if ray.backwards[axis] {
+                (self.max[axis], self.min[axis])
+            } else {
+                (self.min[axis], self.max[axis])
+            };
+            entry = entry.fast_max((near - ray.start[axis]) * ray.inverse[axis]);
+            exit = exit.fast_min((far - ray.start[axis]) * ray.inverse[axis]);
+        }
+        let mut met = entry.cmp_le(exit).move_mask() as u32;
+        let entries = entry.to_array();
+        let bottom = stack.len();
+        while met != 0 {
+            let lane = met.trailing_zeros() as usize;
+            met &= met - 1;
+            let mut at = stack.len();
+            stack.push((entries[lane], self.children[lane]));
+            while at > bottom && stack[at - 1].0 < stack[at].0 {
+                stack.swap(at - 1, at);
+                at -= 1;
+            }
+        }
+    }
+}
+
+impl Packet {
+    fn new(triangles: &[([Vec3; 3], u32)]) -> Self {
+        let mut packet = Self {
+            corner: [f32x4::ZERO; 3],
+            ab: [f32x4::ZERO; 3],
+            ac: [f32x4::ZERO; 3],
+            size: f32x4::ZERO,
+            extent: f32x4::ZERO,
+            polygons: [NOTHING; 4],
+        };
+        for (lane, &([a, b, c], polygon)) in triangles.iter().enumerate() {
+            let (ab, ac) = (b - a, c - a);
+            for axis in 0..3 {
+                packet.corner[axis].as_array_mut()[lane] = a[axis];
+                packet.ab[axis].as_array_mut()[lane] = ab[axis];
+                packet.ac[axis].as_array_mut()[lane] = ac[axis];
+            }
+            let size = ab.abs().element_sum().max(ac.abs().element_sum());
+            packet.size.as_array_mut()[lane] = size;
+            packet.extent.as_array_mut()[lane] = size + a.abs().element_sum();
+            packet.polygons[lane] = polygon;
+        }
+        packet
+    }
+
+    /// Masks of the triangles that the ray may meet, and of those that it surely meets inside, both
+    /// with t up to `limit`. The test of Möller and Trumbore, "Fast, minimum storage ray/triangle
+    /// intersection" (1997), both sides, without division.
+    fn meet(&self, ray: &WideRay, limit: f32) -> (u32, u32) {
+        let from_corner = [0, 1, 2].map(|i| ray.start[i] - self.corner[i]);
+        let p = cross(ray.way, self.ac);
+        let q = cross(from_corner, self.ab);
+        let det = dot(self.ab, p);
+        let sign = det & f32x4::splat(-0.0);
+        let scale = det.abs();
+        let u = dot(from_corner, p) ^ sign;
+        let v = dot(ray.way, q) ^ sign;
+        let t = dot(self.ac, q) ^ sign;
+        let least = u.fast_min(v).fast_min(scale - u - v);
+        // Lengths that go into the products bound the rounding of their sums.
+        let unit = self.size * f32x4::splat(ROUNDING);
+        let reach = ray.place + self.extent;
+        let across = unit * ray.length * reach;
+        let along = unit * self.size * (reach + ray.length);
+        let edge = across + f32x4::splat(NEAR_EDGE) * scale;
+        let flat = unit * ray.length * self.size;
+        let end = f32x4::splat(limit) * scale;
+        let turned = scale.cmp_gt(flat);
+        let miss = turned & (least.cmp_lt(-edge) | t.cmp_lt(-along)) | t.abs().cmp_gt(end + along);
+        let inside = turned & least.cmp_gt(edge) & t.cmp_gt(along) & t.cmp_lt(end - along);
+        (!miss.move_mask() as u32 & 15, inside.move_mask() as u32)
+    }
+}
+
+fn dot(a: [f32x4; 3], b: [f32x4; 3]) -> f32x4 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+fn cross(a: [f32x4; 3], b: [f32x4; 3]) -> [f32x4; 3] {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
