@@ -19,7 +19,7 @@ pub(crate) use probe::{place as probe_place, probe};
 
 use crate::photometry::Irradiance;
 use crate::scene::exact::{brightness, distance, dot, length};
-use crate::scene::{Light, LightRays, Sample, Scene, Surface};
+use crate::scene::{Light, LightRays, Reach, Sample, Scene, Surface};
 use glam::Vec3;
 
 /// Irradiance of one light style at a list of samples.
@@ -64,9 +64,15 @@ pub fn direct(scene: &Scene, surface: usize, samples: &[Sample]) -> DirectLight 
     }
     let sphere = BoundingSphere::of(surface);
     let points = (samples, &result.dirt);
-    for light in &scene.lights {
+    let leafs = Leafs::of(scene, samples);
+    for (index, light) in scene.lights.iter().enumerate() {
+        let reach = scene.visibility.of_light(index);
+        if !leafs.distinct.iter().any(|l| reach.includes(*l)) {
+            continue;
+        }
         let styles = if light.brightness > 0.0 { &mut result.styles } else { &mut result.negative };
         let both = (styles, &mut result.excess);
+        let points = (samples, &result.dirt, &leafs.of_samples[..], reach);
         light_surface(scene, light, (surface, &sphere), points, &mut rays, both);
     }
     for sun in &scene.suns {
@@ -158,7 +164,7 @@ fn light_surface(
     scene: &Scene,
     light: &Light,
     (surface, sphere): (&Surface, &BoundingSphere),
-    (samples, dirt): (&[Sample], &FaceDirt),
+    (samples, dirt, leafs, reach): (&[Sample], &FaceDirt, &[Option<u32>], Reach<'_>),
     rays: &mut LightRays<'_>,
     (styles, excess): (&mut Vec<StyleLight>, &mut Vec<StyleLight>),
 ) {
@@ -171,6 +177,9 @@ fn light_surface(
         return;
     }
     for (i, sample) in samples.iter().enumerate().filter(|(_, s)| !s.occluded) {
+        if !reach.includes(leafs[i]) {
+            continue;
+        }
         let Some(colour) =
             point::unshadowed(light, dist, sample.position, sample.normal, surface.two_sided)
         else {
@@ -200,6 +209,23 @@ fn add(styles: &mut Vec<StyleLight>, style: u16, count: usize, i: usize, colour:
         styles.len() - 1
     });
     styles[slot].irradiance[i] += Irradiance(colour);
+}
+
+/// Where the samples of a surface are.
+struct Leafs {
+    of_samples: Vec<Option<u32>>,
+    distinct: Vec<Option<u32>>,
+}
+
+impl Leafs {
+    fn of(scene: &Scene, samples: &[Sample]) -> Self {
+        let leaf = |s: &Sample| scene.visibility.leaf(&scene.solid, s.position);
+        let of_samples: Vec<_> = samples.iter().map(leaf).collect();
+        let mut distinct = of_samples.clone();
+        distinct.sort_unstable();
+        distinct.dedup();
+        Self { of_samples, distinct }
+    }
 }
 
 /// A sphere around a surface.

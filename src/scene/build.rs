@@ -23,6 +23,7 @@ use super::suns;
 use super::surface::{LuxelGrid, Role, Surface};
 use super::surface_lights::{self, Faces};
 use super::tracer::Tracer;
+use super::visibility::Visibility;
 use super::world::WorldSettings;
 use crate::bsp::{Bsp, Entity, MipTex, TexInfo, normalise, parse_entities};
 use crate::{Error, Result};
@@ -132,7 +133,7 @@ impl Scene {
         let mut random = Random::new();
         let (lights, sky) =
             entity_lights::finish(drafts, &entities, &world, &solid, &mut random, &mut warnings)?;
-        let (local_minlights, lights) =
+        let (local_minlights, lights): (_, Vec<_>) =
             lights.into_iter().partition(|l| l.attenuation == Attenuation::LocalMinimum);
         let suns = suns::make(&worldspawn, &world, &sky, &mut random)?;
 
@@ -143,6 +144,7 @@ impl Scene {
         Ok(Self {
             surfaces,
             models,
+            visibility: Visibility::new(bsp, &solid, &lights),
             lights,
             local_minlights,
             radiosity_lights,

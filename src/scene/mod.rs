@@ -34,6 +34,7 @@ mod surface_lights;
 mod texels;
 mod tie;
 mod tracer;
+mod visibility;
 mod wander;
 mod wide_tree;
 mod winding;
@@ -58,6 +59,7 @@ pub use suns::Sun;
 pub use surface::{LuxelGrid, Role, Surface};
 pub use surface_lights::Emitter;
 pub use tracer::{Hit, Node, Polygon, Tracer};
+pub use visibility::{Reach, Visibility};
 pub use world::WorldSettings;
 
 /// A map made ready for light. Nothing in it changes while the map is lit, so faces can be lit in
@@ -89,6 +91,8 @@ pub struct Scene {
     pub tracer_surface: Vec<u32>,
     /// What blocks some light, or changes it.
     pub filters: Filters,
+    /// What the lights can reach.
+    pub visibility: Visibility,
     /// Solid space of the brush models.
     pub solid: Solid,
     /// What is odd about the map, one sentence each.

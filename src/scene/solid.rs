@@ -78,6 +78,19 @@ impl Solid {
         false
     }
 
+    /// The leaf of the world at a point; `None` if the tree is none.
+    pub(super) fn world_leaf(&self, point: Vec3) -> Option<u32> {
+        let p = point.as_dvec3();
+        let mut node = *self.heads.first()?;
+        let mut steps = self.splits.len();
+        while let Ok(index) = usize::try_from(node) {
+            let split = self.splits.get(index)?;
+            node = split.children[usize::from(split.distance(p) < 0.0)];
+            steps = steps.checked_sub(1)?;
+        }
+        Some(!node as u32).filter(|&leaf| (leaf as usize) < self.leaf_solid.len())
+    }
+
     /// The point itself if it is not inside the world, else the first of the points `step` units away
     /// along the axes that is not: low x, high x, low y, and so on.
     pub fn freed(&self, point: Vec3, step: f32) -> Option<Vec3> {
