@@ -54,11 +54,14 @@ pub(crate) fn direct(
     samples
         .par_iter()
         .enumerate()
-        .map(|(face, samples)| {
-            let light = light::direct(scene, face, samples);
-            stage.advance(1);
-            light
-        })
+        .map_init(
+            || light::Blockers::new(scene),
+            |blockers, (face, samples)| {
+                let light = light::direct(scene, face, samples, blockers);
+                stage.advance(1);
+                light
+            },
+        )
         .collect()
 }
 

@@ -2,6 +2,7 @@
 //! before range scaling (contract sections 4.4 to 4.6). One file an effect.
 
 mod attenuation;
+mod blockers;
 mod bounce_source;
 mod dirt;
 mod minlight;
@@ -11,6 +12,7 @@ mod radiosity;
 mod spot;
 mod sun;
 
+pub use blockers::Blockers;
 pub use bounce_source::bounce_source;
 pub use dirt::FaceDirt;
 pub use minlight::Probe;
@@ -19,7 +21,7 @@ pub(crate) use probe::{place as probe_place, probe};
 
 use crate::photometry::Irradiance;
 use crate::scene::exact::{brightness, distance, dot, length};
-use crate::scene::{Light, LightRays, Reach, Sample, Scene, Surface};
+use crate::scene::{Bounds, Light, LightRays, Reach, Sample, Scene, Surface};
 use glam::Vec3;
 
 /// Irradiance of one light style at a list of samples.
@@ -50,8 +52,13 @@ pub struct DirectLight {
     pub rays: u64,
 }
 
-/// Lights the samples of a surface.
-pub fn direct(scene: &Scene, surface: usize, samples: &[Sample]) -> DirectLight {
+/// Lights the samples of a surface. `blockers` are best kept from one surface to the next.
+pub fn direct(
+    scene: &Scene,
+    surface: usize,
+    samples: &[Sample],
+    blockers: &mut Blockers,
+) -> DirectLight {
     let mut result = DirectLight::default();
     if samples.is_empty() {
         return result;
@@ -65,15 +72,26 @@ pub fn direct(scene: &Scene, surface: usize, samples: &[Sample]) -> DirectLight 
     let sphere = BoundingSphere::of(surface);
     let points = (samples, &result.dirt);
     let leafs = Leafs::of(scene, samples);
+    let free = samples.iter().filter(|s| !s.occluded);
+    let bounds = Bounds::around(free.map(|s| s.position));
     for (index, light) in scene.lights.iter().enumerate() {
         let reach = scene.visibility.of_light(index);
         if !leafs.distinct.iter().any(|l| reach.includes(*l)) {
             continue;
         }
+        // Only light of channel 1 is held back by the world.
+        let shadowed = light.shadow_mask & 1 != 0;
+        if shadowed && bounds.as_ref().is_none_or(|b| blockers.cover(index, b)) {
+            continue;
+        }
+        rays.suppose(blockers.of(index));
         let styles = if light.brightness > 0.0 { &mut result.styles } else { &mut result.negative };
         let both = (styles, &mut result.excess);
         let points = (samples, &result.dirt, &leafs.of_samples[..], reach);
         light_surface(scene, light, (surface, &sphere), points, &mut rays, both);
+        if let Some(polygon) = rays.blocker().filter(|_| shadowed) {
+            blockers.remember(scene, index, polygon);
+        }
     }
     for sun in &scene.suns {
         let styles = if sun.brightness > 0.0 { &mut result.styles } else { &mut result.negative };

@@ -34,6 +34,7 @@ mod surface_lights;
 mod texels;
 mod tie;
 mod tracer;
+mod umbra;
 mod visibility;
 mod wander;
 mod wide_tree;
@@ -59,6 +60,7 @@ pub use suns::Sun;
 pub use surface::{LuxelGrid, Role, Surface};
 pub use surface_lights::Emitter;
 pub use tracer::{Hit, Node, Polygon, Tracer};
+pub(crate) use umbra::{Bounds, Umbra};
 pub use visibility::{Reach, Visibility};
 pub use world::WorldSettings;
 

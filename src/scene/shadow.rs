@@ -22,7 +22,7 @@ const STOP: f32 = -1.0;
 /// What it remembers makes it faster but does not change an answer.
 pub struct ShadowRays<'a> {
     pub(super) tracer: &'a Tracer,
-    last_blocker: Option<u32>,
+    pub(super) last_blocker: Option<u32>,
     pub(super) last_first: Option<u32>,
     pub(super) last_before_sky: Option<u32>,
     /// Room for the walk through the tree.
