@@ -3,6 +3,7 @@
 
 mod attenuation;
 mod bounce_source;
+mod directions;
 mod dirt;
 mod minlight;
 mod point;
@@ -12,6 +13,7 @@ mod spot;
 mod sun;
 
 pub use bounce_source::bounce_source;
+pub use directions::{Directions, StyleDirections, strength};
 pub use dirt::FaceDirt;
 pub use minlight::Probe;
 pub(crate) use minlight::wants_probe;
@@ -44,6 +46,8 @@ pub struct DirectLight {
     /// Minimum light of local lights, which does not bounce. It is to be joined with the
     /// other direct light before bounced light is added.
     pub local_minimum: Vec<StyleLight>,
+    /// Where `styles` and `negative` come from, if that is wanted.
+    pub directions: Directions,
     /// Dirt at the samples.
     pub dirt: FaceDirt,
     /// Rays traced.
@@ -52,7 +56,17 @@ pub struct DirectLight {
 
 /// Lights the samples of a surface.
 pub fn direct(scene: &Scene, surface: usize, samples: &[Sample]) -> DirectLight {
-    let mut result = DirectLight::default();
+    direct_from(scene, surface, samples, Directions::default())
+}
+
+/// Lights the samples of a surface and adds to `directions` where the light comes from.
+pub fn direct_from(
+    scene: &Scene,
+    surface: usize,
+    samples: &[Sample],
+    directions: Directions,
+) -> DirectLight {
+    let mut result = DirectLight { directions, ..DirectLight::default() };
     if samples.is_empty() {
         return result;
     }
@@ -66,16 +80,18 @@ pub fn direct(scene: &Scene, surface: usize, samples: &[Sample]) -> DirectLight 
     let points = (samples, &result.dirt);
     for light in &scene.lights {
         let styles = if light.brightness > 0.0 { &mut result.styles } else { &mut result.negative };
-        let both = (styles, &mut result.excess);
-        light_surface(scene, light, (surface, &sphere), points, &mut rays, both);
+        let sums = (styles, &mut result.excess, &mut result.directions);
+        light_surface(scene, light, (surface, &sphere), points, &mut rays, sums);
     }
     for sun in &scene.suns {
         let styles = if sun.brightness > 0.0 { &mut result.styles } else { &mut result.negative };
-        sun::light_surface(scene, sun, surface, points, &mut rays, styles);
+        let sums = (styles, &mut result.directions);
+        sun::light_surface(scene, sun, surface, points, &mut rays, sums);
     }
     for light in &scene.radiosity_lights {
         let receiver = (surface, &sphere);
-        radiosity::light_surface(scene, light, receiver, points, &mut rays, &mut result.styles);
+        let sums = (&mut result.styles, &mut result.directions);
+        radiosity::light_surface(scene, light, receiver, points, &mut rays, sums);
     }
     result.local_minimum = minlight::local(scene, surface, points, &result.styles, &mut rays);
     result.rays = rays.rays();
@@ -160,7 +176,7 @@ fn light_surface(
     (surface, sphere): (&Surface, &BoundingSphere),
     (samples, dirt): (&[Sample], &FaceDirt),
     rays: &mut LightRays<'_>,
-    (styles, excess): (&mut Vec<StyleLight>, &mut Vec<StyleLight>),
+    (styles, excess, directions): (&mut Vec<StyleLight>, &mut Vec<StyleLight>, &mut Directions),
 ) {
     let (dist, gate) = (scene.world.dist, scene.world.gate);
     let behind = distance(light.origin, surface.normal, surface.dist) < 0.0;
@@ -184,6 +200,8 @@ fn light_surface(
         let arrival = rays.between(sample.position, light.origin, light.shadow_mask, colour);
         if let Some(arrival) = arrival {
             let style = arrival.style_of(light.style);
+            let way = light.origin - sample.position;
+            directions.add(style, (i, samples.len()), way, arrival.colour);
             add(styles, style, samples.len(), i, arrival.colour);
             let share = attenuation::excess(light, dist, away);
             if share > 0.0 {
