@@ -217,6 +217,9 @@ fn directions_change_no_other_byte_and_go_when_they_are_stale() {
     assert!(!path.with_extension("lux").exists());
     run(&path, &["--hemicube", "16", "--lux", "--bspxlux"]);
     assert!(lit_file(&path) == lit && beside(&path, "lux").len() == lit.len());
+    let lux = beside(&path, "lux");
+    run(&path, &["--hemicube", "16", "--lux", "--bspxlux", "--threads", "1"]);
+    assert!(beside(&path, "lux") == lux, "whatever the number of threads");
     let mut with = read(&path);
     with.bspx.retain(|l| l.name != "LIGHTINGDIR");
     assert!(with == plain);
@@ -224,7 +227,6 @@ fn directions_change_no_other_byte_and_go_when_they_are_stale() {
     assert!(read(&path) == plain && !path.with_extension("lux").exists());
     // DarkPlaces looks for another name; only one of the two is there.
     run(&path, &["--hemicube", "16", "--lux"]);
-    let lux = beside(&path, "lux");
     let output = run(&path, &["--hemicube", "16", "--lux", "--engine", "darkplaces"]);
     assert!(output.stderr.is_empty());
     assert!(beside(&path, "dlit") == lux && !path.with_extension("lux").exists());

@@ -3,6 +3,7 @@
 
 use super::Sources;
 use crate::light::{DirectLight, Directions, StyleLight, strength};
+use crate::patch::Patch;
 use crate::photometry::Exitance;
 use crate::scene::Sample;
 use glam::Vec3;
@@ -81,13 +82,24 @@ fn mean_directions(sources: Sources<'_>, exitance: &[Exitance]) -> Vec<Vec3> {
             let (mut vector, mut sum) = (Vec3::ZERO, 0.0);
             for (&j, f) in columns.iter().zip(weights) {
                 let arriving = f * strengths[j as usize];
-                let way = patches[j as usize].eye - patches[i].eye;
+                let way = way_to(&patches[i], &patches[j as usize]);
                 vector += way.normalize_or_zero() * arriving;
                 sum += arriving;
             }
             if sum > 0.0 { vector / sum } else { Vec3::ZERO }
         })
         .collect()
+}
+
+/// The way from a patch to the middle of that part of another which is in front of it.
+fn way_to(from: &Patch, to: &Patch) -> Vec3 {
+    let way = to.eye - from.eye;
+    let height = way.dot(from.normal);
+    // How far the other reaches up and down from its middle, if it is a square.
+    let tilt = (1.0 - from.normal.dot(to.normal).powi(2)).max(0.0).sqrt();
+    let reach = 0.5 * to.area.sqrt() * tilt;
+    let middle = if height < reach { (0.5 * (height + reach)).max(0.0) } else { height };
+    way + from.normal * (middle - height)
 }
 
 /// Blends the directions of the patches of a surface and of those that continue it.
@@ -138,5 +150,27 @@ impl<'a> Blend<'a> {
             }
         }
         (weights > 0.0).then(|| vector / weights)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::photometry::Reflectance;
+
+    fn patch(eye: Vec3, normal: Vec3) -> Patch {
+        Patch { eye, normal, area: 64.0 * 64.0, reflectance: Reflectance::default() }
+    }
+
+    #[test]
+    fn what_lies_below_the_horizon_sends_nothing() {
+        let floor = patch(Vec3::ZERO, Vec3::Z);
+        let wall = |height| patch(Vec3::new(100.0, 0.0, height), Vec3::NEG_X);
+        let height = |h: f32| way_to(&floor, &wall(h)).z;
+        assert_eq!([height(80.0), height(32.0)], [80.0, 32.0], "all of it is above");
+        assert_eq!([height(0.0), height(-16.0)], [16.0, 8.0], "the middle of the upper part");
+        assert_eq!(height(-50.0), 0.0);
+        let ceiling = patch(Vec3::Z * 9.0, Vec3::NEG_Z);
+        assert_eq!(way_to(&floor, &ceiling), Vec3::Z * 9.0, "it has no height of its own");
     }
 }
