@@ -130,8 +130,8 @@ fn write_files(
     outputs: &Outputs,
 ) -> qrad::Result<Vec<PathBuf>> {
     let map = if outputs.writes_map() { Some(bsp.write()?) } else { None };
-    let lux = |e: &&str| files.lux.as_ref().filter(|_| outputs.lux.extension() == Some(e));
-    let kinds = DirectionFile::EXTENSIONS.iter().map(|e| (*e, lux(&e)));
+    let lux = |name| files.lux.as_ref().filter(|_| outputs.lux.extension() == Some(name));
+    let kinds = DirectionFile::EXTENSIONS.map(|name| (name, lux(name)));
     let (mut written, mut stale) = (Vec::new(), Vec::new());
     for (extension, file) in std::iter::once(("lit", files.lit.as_ref())).chain(kinds) {
         let path = path.with_extension(extension);
