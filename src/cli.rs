@@ -2,7 +2,7 @@
 
 use crate::engine::Engine;
 use crate::lightmap::{Gather, Smoothing};
-use crate::outputs::{LitFile, Outputs, Scope};
+use crate::outputs::{DirectionFile, LitFile, Outputs, Scope};
 use crate::radiosity::hemicube::HemicubeSize;
 use crate::scene::LuxelSettings;
 use crate::settings::{Settings, SurfaceLights};
@@ -150,6 +150,15 @@ pub struct OutputArgs {
     #[arg(long, conflicts_with = "lit", help_heading = "Outputs")]
     pub hdr: bool,
 
+    /// Write a .lit file of version 2 with all that describes its lightmaps, and leave the map as it is
+    #[arg(long, conflicts_with_all = ["hdr", "world_units_per_luxel", "litonly", "onlyents", "preview"])]
+    #[arg(help_heading = "Outputs")]
+    pub lit2: bool,
+
+    /// Write where light comes from into a .lux file, for normal maps (a .dlit file for DarkPlaces)
+    #[arg(long, help_heading = "Outputs")]
+    pub lux: bool,
+
     /// Put the colours into the map (RGBLIGHTING), instead of a .lit file
     #[arg(long, help_heading = "Outputs")]
     pub bspxlit: bool,
@@ -157,6 +166,22 @@ pub struct OutputArgs {
     /// Put HDR colours into the map (LIGHTING_E5BGR9)
     #[arg(long, help_heading = "Outputs")]
     pub bspxhdr: bool,
+
+    /// Put where light comes from into the map (LIGHTINGDIR)
+    #[arg(long, help_heading = "Outputs")]
+    pub bspxlux: bool,
+
+    /// --bspxlit and --bspxlux
+    #[arg(long, help_heading = "Outputs")]
+    pub bspx: bool,
+
+    /// --bspx and --novanilla
+    #[arg(long, conflicts_with = "preview", help_heading = "Outputs")]
+    pub bspxonly: bool,
+
+    /// Put normals at the corners of faces into the map (FACENORMALS), for smooth light that engines compute
+    #[arg(long, help_heading = "Outputs")]
+    pub wrnormals: bool,
 
     /// Leave out what the original engine reads where other lumps hold the light
     #[arg(long, conflicts_with = "preview", help_heading = "Outputs")]
@@ -187,15 +212,24 @@ impl OutputArgs {
     /// The outputs that the options ask for, not checked yet.
     fn outputs(&self) -> Outputs {
         let base = self.engine.map_or_else(Outputs::default, Engine::outputs);
+        let bspx = self.bspx || self.bspxonly;
         Outputs {
-            lit: match (self.lit, self.hdr) {
-                (_, true) => LitFile::Hdr,
-                (true, _) => LitFile::Always,
+            lit: match (self.lit, self.hdr, self.lit2) {
+                (_, _, true) => LitFile::Version2,
+                (_, true, _) => LitFile::Hdr,
+                (true, ..) => LitFile::Always,
                 _ => base.lit,
             },
-            bspx_lit: base.bspx_lit || self.bspxlit,
+            lux: match self.engine {
+                _ if !self.lux => DirectionFile::No,
+                Some(Engine::Darkplaces) => DirectionFile::Dlit,
+                _ => DirectionFile::Lux,
+            },
+            bspx_lit: base.bspx_lit || self.bspxlit || bspx,
             bspx_hdr: base.bspx_hdr || self.bspxhdr,
-            vanilla: base.vanilla && !self.novanilla,
+            bspx_lux: self.bspxlux || bspx,
+            face_normals: self.wrnormals,
+            vanilla: base.vanilla && !(self.novanilla || self.bspxonly),
             face_styles: self.facestyles,
             luxels: LuxelSettings { shift: self.lmshift, world_units: self.world_units_per_luxel },
             scope: match (self.litonly, self.onlyents) {

@@ -1,7 +1,7 @@
 //! What the engines that people play Quake with read of a map's lighting; docs/outputs.md says how we
 //! know.
 
-use crate::outputs::{LitFile, Outputs};
+use crate::outputs::{DirectionFile, LitFile, Outputs};
 use clap::ValueEnum;
 
 /// An engine to write for.
@@ -52,7 +52,13 @@ impl Engine {
     pub fn unread(self, outputs: &Outputs, decoupled: bool) -> Vec<String> {
         let reads_lumps = matches!(self, Self::Qss | Self::Fte | Self::Ezquake);
         let reads_hdr = matches!(self, Self::Qss | Self::Fte);
+        let fte = self == Self::Fte;
+        let reads_lux = fte || self == Self::Darkplaces;
         let told = [
+            (outputs.lit == LitFile::Version2, ".lit version 2"),
+            (outputs.lux != DirectionFile::No && !reads_lux, ".lux files"),
+            (outputs.bspx_lux && !fte, "LIGHTINGDIR"),
+            (outputs.face_normals && !fte, "FACENORMALS"),
             (outputs.lit == LitFile::Hdr && !reads_hdr, "HDR .lit files"),
             (outputs.bspx_hdr && !reads_hdr, "LIGHTING_E5BGR9"),
             (outputs.bspx_lit && !reads_lumps, "RGBLIGHTING"),

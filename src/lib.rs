@@ -24,6 +24,7 @@ mod stage;
 mod store;
 
 pub use error::{Error, Result};
+pub use store::Files;
 
 use bsp::{Bsp, MipTex};
 use lightmap::FinishedFace;
@@ -70,13 +71,13 @@ pub struct MapLight {
     pub faces: Vec<FinishedFace>,
     /// Three levels for each byte of the lighting lump, when the light has colour.
     pub rgb: Option<Vec<u8>>,
-    /// Bytes of the `.lit` file, if there is to be one.
-    pub lit: Option<Vec<u8>>,
+    /// What stands beside the map.
+    pub files: Files,
     /// What the run counted.
     pub counts: Counts,
 }
 
-/// Lights a map: replaces the lighting of `bsp`, unless only a `.lit` file is asked for. `sidecar` is what qbsp wrote beside it, `textures`
+/// Lights a map: replaces the lighting of `bsp`, unless only a `.lit` file for it is asked for. `sidecar` is what qbsp wrote beside it, `textures`
 /// are those that the map may lack.
 ///
 /// # Errors
@@ -94,7 +95,7 @@ pub fn light_bsp(
     bsp.rewrite_entities()?;
     let scene = Scene::build(bsp, sidecar, &settings.scene(textures))?;
     let points = stage::place(&scene, settings, progress);
-    let direct = stage::direct(&scene, points.samples(), progress);
+    let mut direct = stage::direct(&scene, points.samples(), settings, progress);
     let patches = stage::patches(&scene, &points.luxels, settings, progress);
     let transfers = stage::transfers(&scene, &patches, settings, progress);
     let bounced =
@@ -107,16 +108,18 @@ pub fn light_bsp(
     };
     let indirect = stage::gather(sources, &points.luxels, settings, progress);
     let counts = Counts::new(&scene, &direct, &patches, &transfers, &bounced, &indirect);
+    stage::directions(sources, &points.luxels, &indirect, &mut direct, settings);
     let probes = stage::probes(&scene, &patches, points.samples(), &bounced, settings);
     let faces = stage::finish(&scene, &points, direct, indirect.maps, &probes, settings);
     if let Some(unchanged) = unchanged {
         *bsp = unchanged;
-        let store::LitOnly { rgb, file } = store::lit_only(bsp, &scene, &faces, outputs)?;
-        return Ok(MapLight { scene, faces, rgb: Some(rgb), lit: Some(file), counts });
+        let store::LitOnly { rgb, files } = store::lit_only(bsp, &scene, &faces, outputs)?;
+        return Ok(MapLight { scene, faces, rgb: Some(rgb), files, counts });
     }
-    let vanilla = lightmap::vanilla_copies(&scene, &faces, outputs.vanilla);
+    let copies = outputs.vanilla && outputs.writes_map();
+    let vanilla = lightmap::vanilla_copies(&scene, &faces, copies);
     let packed = lightmap::pack(&faces, &vanilla)?;
-    let lit = store::store(bsp, &packed, &scene, outputs);
+    let files = store::store(bsp, &packed, &scene, outputs)?;
     let rgb = packed.coloured.then_some(packed.rgb);
-    Ok(MapLight { scene, faces, rgb, lit, counts })
+    Ok(MapLight { scene, faces, rgb, files, counts })
 }

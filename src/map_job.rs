@@ -4,12 +4,12 @@ use anyhow::Context;
 use glam::Vec3;
 use qrad::bsp::{Bsp, MipTex, load_wad, parse_entities};
 use qrad::cli::Cli;
-use qrad::outputs::Scope;
+use qrad::outputs::{DirectionFile, Outputs, Scope};
 use qrad::progress::Progress;
 use qrad::render::{Camera, LitMap, start_camera};
 use qrad::report::Report;
 use qrad::scene::Sidecar;
-use qrad::{MapLight, light_bsp, lightmap, output};
+use qrad::{Files, MapLight, light_bsp, lightmap, output};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -38,14 +38,7 @@ pub fn run(cli: &Cli, path: &Path, visible: bool) -> anyhow::Result<()> {
     for sentence in &lit.scene.warnings {
         log::warn!("{sentence}");
     }
-    let mut written = match (settings.outputs.scope, &lit.lit) {
-        (Scope::LitOnly, Some(file)) => {
-            let path = target.with_extension("lit");
-            output::write(&path, file)?;
-            vec![path]
-        }
-        (_, file) => write_map(target, &bsp, file.as_deref())?,
-    };
+    let mut written = write_files(target, &bsp, &lit.files, &settings.outputs)?;
     if let Some(folder) = &cli.dump_lightmaps {
         written.extend(dump(folder, &lit)?);
     }
@@ -128,19 +121,35 @@ fn textures(cli: &Cli, map: &Path, bsp: &Bsp) -> anyhow::Result<Vec<MipTex>> {
     Ok(textures)
 }
 
-/// Replaces the map and its `.lit`; a stale `.lit` goes when there is to be none.
-fn write_map(path: &Path, bsp: &Bsp, lit: Option<&[u8]>) -> qrad::Result<Vec<PathBuf>> {
-    let lit_path = path.with_extension("lit");
-    let map = bsp.write()?;
-    if let Some(lit) = lit {
-        output::write_all(&[(&lit_path, lit), (path, &map)])?;
-        Ok(vec![path.to_path_buf(), lit_path])
-    } else {
-        output::check_replaceable(&lit_path)?;
-        output::write(path, &map)?;
-        output::remove(&lit_path)?;
-        Ok(vec![path.to_path_buf()])
+/// Replaces the map and the files beside it. With a new map, stale files of the kinds that there are
+/// not to be go.
+fn write_files(
+    path: &Path,
+    bsp: &Bsp,
+    files: &Files,
+    outputs: &Outputs,
+) -> qrad::Result<Vec<PathBuf>> {
+    let map = if outputs.writes_map() { Some(bsp.write()?) } else { None };
+    let lux = |name| files.lux.as_ref().filter(|_| outputs.lux.extension() == Some(name));
+    let kinds = DirectionFile::EXTENSIONS.map(|name| (name, lux(name)));
+    let (mut written, mut stale) = (Vec::new(), Vec::new());
+    for (extension, file) in std::iter::once(("lit", files.lit.as_ref())).chain(kinds) {
+        let path = path.with_extension(extension);
+        match file {
+            Some(file) => written.push((path, file)),
+            None if map.is_some() => stale.push(path),
+            None => {}
+        }
     }
+    if let Some(map) = &map {
+        written.push((path.to_path_buf(), map));
+    }
+    stale.iter().try_for_each(|path| output::check_replaceable(path))?;
+    let borrowed: Vec<_> = written.iter().map(|(path, file)| (&**path, &file[..])).collect();
+    output::write_all(&borrowed)?;
+    stale.iter().try_for_each(|path| output::remove(path))?;
+    // The map first.
+    Ok(written.into_iter().rev().map(|(path, _)| path).collect())
 }
 
 /// The camera asked for, else that of the player's start, else the middle of the map.

@@ -17,6 +17,34 @@ pub enum LitFile {
     Always,
     /// Written in HDR: light that is neither limited nor cut to whole levels.
     Hdr,
+    /// Written in version 2, with sizes, offsets and directions of its own: the map stays as it is.
+    Version2,
+}
+
+/// What becomes of the file beside the map that says where light comes from.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum DirectionFile {
+    /// There is none.
+    #[default]
+    No,
+    /// `.lux`, as light compilers call it.
+    Lux,
+    /// `.dlit`, as DarkPlaces calls it; it holds the same.
+    Dlit,
+}
+
+impl DirectionFile {
+    /// The extensions that such a file may have.
+    pub const EXTENSIONS: [&str; 2] = ["lux", "dlit"];
+
+    /// The extension of this one, if there is to be one.
+    pub fn extension(self) -> Option<&'static str> {
+        match self {
+            Self::No => None,
+            Self::Lux => Some(Self::EXTENSIONS[0]),
+            Self::Dlit => Some(Self::EXTENSIONS[1]),
+        }
+    }
 }
 
 /// How much of the map is replaced.
@@ -42,6 +70,12 @@ pub struct Outputs {
     pub bspx_lit: bool,
     /// HDR colours in the map, as `LIGHTING_E5BGR9`.
     pub bspx_hdr: bool,
+    /// The file that says where light comes from.
+    pub lux: DirectionFile,
+    /// Where light comes from in the map, as `LIGHTINGDIR`.
+    pub bspx_lux: bool,
+    /// Normals at the corners of faces in the map, as `FACENORMALS`.
+    pub face_normals: bool,
     /// Lightmaps as the original engine reads them; without them only lumps and files that hold
     /// colours are written.
     pub vanilla: bool,
@@ -59,6 +93,9 @@ impl Default for Outputs {
             lit: LitFile::default(),
             bspx_lit: false,
             bspx_hdr: false,
+            lux: DirectionFile::default(),
+            bspx_lux: false,
+            face_normals: false,
             vanilla: true,
             face_styles: RECORD_STYLES,
             luxels: LuxelSettings::default(),
@@ -85,6 +122,17 @@ impl Outputs {
         self.lit == LitFile::Hdr || self.bspx_hdr
     }
 
+    /// Whether it must be known where light comes from.
+    pub fn directions(&self) -> bool {
+        let file = self.lux != DirectionFile::No || self.lit == LitFile::Version2;
+        file || self.bspx_lux && self.scope == Scope::All
+    }
+
+    /// Whether the map itself is written; if not, only files beside it.
+    pub fn writes_map(&self) -> bool {
+        self.scope != Scope::LitOnly && self.lit != LitFile::Version2
+    }
+
     /// Whether the map holds colours, given that it may need them.
     pub fn bspx_rgb(&self, coloured: bool) -> bool {
         self.bspx_lit || coloured && !self.vanilla && self.lit == LitFile::Auto && !self.bspx_hdr
@@ -95,7 +143,7 @@ impl Outputs {
         match self.lit {
             LitFile::Always => true,
             LitFile::Auto => coloured && self.vanilla && !self.bspx_lit && !self.bspx_hdr,
-            LitFile::Hdr => false,
+            LitFile::Hdr | LitFile::Version2 => false,
         }
     }
 
@@ -130,6 +178,17 @@ mod tests {
         let hdr = Outputs { bspx_hdr: true, ..Outputs::default() };
         assert_eq!(places(&hdr, true), [false, false]);
         assert!(hdr.hdr() && hdr.style_choice().dim);
+    }
+
+    #[test]
+    fn directions_are_known_where_something_holds_them() {
+        let directions = |o: Outputs| o.directions();
+        assert!(!directions(Outputs::default()));
+        assert!(directions(Outputs { lux: DirectionFile::Dlit, ..Outputs::default() }));
+        assert!(directions(Outputs { bspx_lux: true, ..Outputs::default() }));
+        assert!(directions(Outputs { lit: LitFile::Version2, ..Outputs::default() }));
+        let unwritten = Outputs { bspx_lux: true, scope: Scope::LitOnly, ..Outputs::default() };
+        assert!(!directions(unwritten));
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! The stages of a map run: each calls one room, over all faces, and shows its progress.
 
-use crate::light::{self, DirectLight, Probe, StyleLight};
+use crate::light::{self, DirectLight, Directions, Probe, StyleLight};
 use crate::lightmap::{self, FinishedFace};
 use crate::patch::MapPatches;
 use crate::progress::Progress;
@@ -48,6 +48,7 @@ pub(crate) fn place(scene: &Scene, settings: &Settings, progress: &Progress) -> 
 pub(crate) fn direct(
     scene: &Scene,
     samples: &[Vec<Sample>],
+    settings: &Settings,
     progress: &Progress,
 ) -> Vec<DirectLight> {
     let stage = progress.stage("direct light", samples.len());
@@ -57,7 +58,12 @@ pub(crate) fn direct(
         .map_init(
             || light::Blockers::new(scene),
             |blockers, (face, samples)| {
-                let light = light::direct(scene, face, samples, blockers);
+                let directions = if settings.outputs.directions() {
+                    Directions::wanted()
+                } else {
+                    Directions::default()
+                };
+                let light = light::direct_from(scene, face, samples, directions, blockers);
                 stage.advance(1);
                 light
             },
@@ -136,6 +142,18 @@ pub(crate) fn gather(
     let how = (settings.gather, settings.hemicube);
     let (maps, hemicubes) = lightmap::indirect(sources, samples, how, |n| stage.advance(n));
     Gathered { maps, hemicubes }
+}
+
+/// Where bounced light comes from, if that is wanted, added to `direct`.
+pub(crate) fn directions(
+    sources: lightmap::Sources<'_>,
+    luxels: &[Vec<Sample>],
+    gathered: &Gathered,
+    direct: &mut [DirectLight],
+    settings: &Settings,
+) {
+    let extra = settings.smoothing.extra;
+    lightmap::add_bounced_directions(sources, luxels, &gathered.maps, extra, direct);
 }
 
 /// Light in the middle of brush models, for automatic minimum light.

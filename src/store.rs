@@ -1,10 +1,14 @@
 //! Puts finished lightmaps into the map and into a `.lit` file, as the outputs ask.
 
-use crate::bsp::{Bsp, BspxLump, write_hdr_lit, write_lit};
+use crate::bsp::{
+    Bsp, BspxLump, LitFace, pack_direction, write_face_normals, write_hdr_lit, write_lit,
+    write_lit2,
+};
 use crate::lightmap::{Block, FinishedFace, Packed, hdr_colour};
-use crate::outputs::{LitFile, Outputs};
+use crate::outputs::{DirectionFile, LitFile, Outputs};
 use crate::scene::{Scene, Surface};
 use crate::{Error, Result};
+use glam::Vec3;
 
 /// What ends a list of styles.
 const NO_STYLE: u8 = 255;
@@ -13,14 +17,26 @@ const RECORD_STYLES: usize = 4;
 /// Bytes a face in `DECOUPLED_LM`.
 const DECOUPLED_SIZE: usize = 40;
 
-/// Replaces the lighting of `bsp`. Returns the bytes of the `.lit` file, if there is to be one.
+/// What stands beside the map: bytes of files, if they are to be.
+#[derive(Debug, Default)]
+pub struct Files {
+    /// The `.lit` file.
+    pub lit: Option<Vec<u8>>,
+    /// The file that says where light comes from, of either name.
+    pub lux: Option<Vec<u8>>,
+}
+
+/// Replaces the lighting of `bsp`.
+///
+/// # Errors
+/// If version 2 of the `.lit` file is asked for luxels that it cannot describe.
 pub(crate) fn store(
     bsp: &mut Bsp,
     packed: &Packed,
     scene: &Scene,
     outputs: &Outputs,
-) -> Option<Vec<u8>> {
-    let Packed { mono, rgb, hdr, faces, blocks, coloured } = packed;
+) -> Result<Files> {
+    let Packed { mono, rgb, hdr, directions, faces, blocks, coloured } = packed;
     let bspx_rgb = outputs.bspx_rgb(*coloured);
     // Engines take the colours instead where the lump is empty.
     let held_elsewhere = bspx_rgb || outputs.bspx_hdr;
@@ -32,12 +48,58 @@ pub(crate) fn store(
     if outputs.bspx_hdr {
         put(bsp, "LIGHTING_E5BGR9", hdr.iter().flat_map(|c| c.to_le_bytes()).collect());
     }
+    if outputs.bspx_lux {
+        put(bsp, "LIGHTINGDIR", directions.clone());
+    }
+    if outputs.face_normals {
+        let corners = (0..bsp.faces.len()).flat_map(|face| scene.corner_frames(face));
+        let lump = write_face_normals(corners);
+        put(bsp, "FACENORMALS", lump);
+    }
     store_sizes(bsp, blocks, scene, outputs);
     store_styles(bsp, blocks);
-    match outputs.lit {
-        LitFile::Hdr => Some(write_hdr_lit(hdr)),
-        _ => outputs.rgb_file(*coloured).then(|| write_lit(rgb)),
-    }
+    let lux = lux_file(outputs, directions);
+    Ok(match outputs.lit {
+        LitFile::Version2 if scene.decoupled => {
+            let problem = "it cannot describe luxels that do not follow textures; leave out \
+                           _world_units_per_luxel";
+            return Err(Error::setting("--lit2", problem));
+        }
+        LitFile::Version2 => {
+            let faces = lit_faces(scene, blocks);
+            Files { lit: Some(write_lit2(&faces, rgb, directions)), lux: None }
+        }
+        LitFile::Hdr => Files { lit: Some(write_hdr_lit(hdr)), lux },
+        _ => Files { lit: outputs.rgb_file(*coloured).then(|| write_lit(rgb)), lux },
+    })
+}
+
+/// The file that says where light comes from: it looks like a `.lit` file.
+fn lux_file(outputs: &Outputs, directions: &[u8]) -> Option<Vec<u8>> {
+    (outputs.lux != DirectionFile::No).then(|| write_lit(directions))
+}
+
+/// What version 2 of a `.lit` file says of each face.
+fn lit_faces(scene: &Scene, blocks: &[Block]) -> Vec<LitFace> {
+    let face = |(block, surface): (&Block, &Surface)| {
+        let Some(grid) = &surface.luxels else {
+            return LitFace { offset: -1, ..LitFace::default() };
+        };
+        // Texels a luxel: how much faster the texture runs than the luxels.
+        let texels = surface.texture_axes[0].length() / grid.s_row.truncate().length();
+        LitFace {
+            offset: block.offset,
+            styles: block.styles.iter().map(|&style| style.into()).collect(),
+            size: [grid.width, grid.height].map(side),
+            shift: (texels.log2() - 1e-3).ceil() as u8,
+        }
+    };
+    blocks.iter().zip(&scene.surfaces).map(face).collect()
+}
+
+/// Columns or rows as the formats count them.
+fn side(luxels: u32) -> u16 {
+    u16::try_from(luxels).expect("a side has at most MAX_LUXELS luxels")
 }
 
 /// Writes which luxels the faces have and where, as far as their records cannot tell.
@@ -71,10 +133,7 @@ fn push_decoupled(out: &mut Vec<u8>, offset: i32, surface: &Surface) {
         out.resize(end, 0);
         return;
     };
-    for side in [grid.width, grid.height] {
-        let side = u16::try_from(side).expect("a side has at most MAX_LUXELS luxels");
-        out.extend_from_slice(&side.to_le_bytes());
-    }
+    out.extend([grid.width, grid.height].into_iter().flat_map(|n| side(n).to_le_bytes()));
     out.extend_from_slice(&offset.to_le_bytes());
     for row in [grid.s_row, grid.t_row] {
         // The rows of the grid are for the world, where the model is moved.
@@ -109,8 +168,8 @@ fn put(bsp: &mut Bsp, name: &str, data: Vec<u8>) {
 pub(crate) struct LitOnly {
     /// Three levels for each byte of the lighting lump.
     pub rgb: Vec<u8>,
-    /// Bytes of the file.
-    pub file: Vec<u8>,
+    /// The files.
+    pub files: Files,
 }
 
 /// Colours for the lightmaps that `bsp` has, from new ones: zeros for a style that lights a face no more.
@@ -137,6 +196,7 @@ pub(crate) fn lit_only(
         ));
     }
     let (mut rgb, mut hdr) = (vec![0; 3 * samples], vec![0; samples]);
+    let mut directions = pack_direction(Vec3::ZERO).repeat(samples);
     for (index, (record, face)) in bsp.faces.iter().zip(faces).enumerate() {
         let Some(grid) = &scene.surfaces[index].luxels else { continue };
         let Ok(first) = usize::try_from(record.light_offset) else { continue };
@@ -152,12 +212,16 @@ pub(crate) fn lit_only(
                 ));
             }
             let Some(map) = face.styles.iter().find(|map| map.style == *style) else { continue };
-            for ((at, level), light) in range.zip(&map.levels).zip(&map.light) {
+            for ((at, level), light) in range.clone().zip(&map.levels).zip(&map.light) {
                 rgb[3 * at..3 * at + 3].copy_from_slice(level);
                 hdr[at] = hdr_colour(*light);
+            }
+            for (at, &direction) in range.zip(&map.directions) {
+                directions[3 * at..3 * at + 3].copy_from_slice(&pack_direction(direction));
             }
         }
     }
     let file = if outputs.lit == LitFile::Hdr { write_hdr_lit(&hdr) } else { write_lit(&rgb) };
-    Ok(LitOnly { rgb, file })
+    let files = Files { lit: Some(file), lux: lux_file(outputs, &directions) };
+    Ok(LitOnly { rgb, files })
 }

@@ -6,10 +6,10 @@ use glam::Vec3;
 use qbsp::data::lighting::BspLighting;
 use qbsp::{BspData, BspParseInput, BspParseSettings};
 use qrad::bsp::{Bsp, Format, read_hdr_lit, read_lit, unpack_e5bgr9};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use support::map_builder::MapBuilder;
 use support::program::{arg, fail, qrad, run};
-use tempfile::TempDir;
+use support::written::{lit_file, lump, on_disk, read, words};
 
 /// Coarse and quick, where it matters only that all stages run.
 const QUICK: [&str; 4] = ["--hemicube", "16", "--patch-size", "8"];
@@ -26,30 +26,6 @@ fn room(brightness: f32, colour: &str, worldspawn: &str) -> MapBuilder {
              \"delay\" \"2\"\n\"_color\" \"{colour}\"\n}}\n",
             HEIGHT + 1.0
         ))
-}
-
-/// Writes a map into a new folder.
-fn on_disk(map: &MapBuilder) -> (TempDir, PathBuf) {
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("room.bsp");
-    std::fs::write(&path, map.build(Format::Bsp2).write().unwrap()).unwrap();
-    (folder, path)
-}
-
-fn read(path: &Path) -> Bsp {
-    Bsp::read(&std::fs::read(path).unwrap()).unwrap()
-}
-
-fn lit_file(path: &Path) -> Vec<u8> {
-    std::fs::read(path.with_extension("lit")).unwrap()
-}
-
-fn lump<'a>(bsp: &'a Bsp, name: &str) -> Option<&'a [u8]> {
-    bsp.bspx.iter().find(|l| l.name == name).map(|l| &l.data[..])
-}
-
-fn words(bytes: &[u8]) -> Vec<u32> {
-    bytes.chunks_exact(4).map(|b| u32::from_le_bytes(b.try_into().unwrap())).collect()
 }
 
 /// The face of the floor.

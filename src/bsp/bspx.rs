@@ -10,10 +10,11 @@ const NAME_SIZE: usize = 24;
 const ENTRY_SIZE: usize = NAME_SIZE + 8;
 
 /// Lumps that hold or describe lighting, which a new lighting makes stale.
-pub const LIGHTING_LUMPS: [&str; 7] = [
+pub const LIGHTING_LUMPS: [&str; 8] = [
     "RGBLIGHTING",
     "LIGHTING_E5BGR9",
     "LIGHTINGDIR",
+    "FACENORMALS",
     "LMSTYLE",
     "LMSTYLE16",
     "LMOFFSET",

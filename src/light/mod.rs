@@ -4,6 +4,7 @@
 mod attenuation;
 mod blockers;
 mod bounce_source;
+mod directions;
 mod dirt;
 mod minlight;
 mod point;
@@ -14,6 +15,7 @@ mod sun;
 
 pub use blockers::Blockers;
 pub use bounce_source::bounce_source;
+pub use directions::{Directions, StyleDirections, strength};
 pub use dirt::FaceDirt;
 pub use minlight::Probe;
 pub(crate) use minlight::wants_probe;
@@ -46,20 +48,29 @@ pub struct DirectLight {
     /// Minimum light of local lights, which does not bounce. It is to be joined with the
     /// other direct light before bounced light is added.
     pub local_minimum: Vec<StyleLight>,
+    /// Where `styles` and `negative` come from, if that is wanted.
+    pub directions: Directions,
     /// Dirt at the samples.
     pub dirt: FaceDirt,
     /// Rays traced.
     pub rays: u64,
 }
 
-/// Lights the samples of a surface. `blockers` are best kept from one surface to the next.
-pub fn direct(
+/// Lights the samples of a surface.
+pub fn direct(scene: &Scene, surface: usize, samples: &[Sample]) -> DirectLight {
+    direct_from(scene, surface, samples, Directions::default(), &mut Blockers::new(scene))
+}
+
+/// Lights the samples of a surface and adds to `directions` where the light comes from. `blockers`
+/// are best kept from one surface to the next.
+pub fn direct_from(
     scene: &Scene,
     surface: usize,
     samples: &[Sample],
+    directions: Directions,
     blockers: &mut Blockers,
 ) -> DirectLight {
-    let mut result = DirectLight::default();
+    let mut result = DirectLight { directions, ..DirectLight::default() };
     if samples.is_empty() {
         return result;
     }
@@ -86,20 +97,22 @@ pub fn direct(
         }
         rays.suppose(blockers.of(index));
         let styles = if light.brightness > 0.0 { &mut result.styles } else { &mut result.negative };
-        let both = (styles, &mut result.excess);
+        let sums = (styles, &mut result.excess, &mut result.directions);
         let points = (samples, &result.dirt, &leafs.of_samples[..], reach);
-        light_surface(scene, light, (surface, &sphere), points, &mut rays, both);
+        light_surface(scene, light, (surface, &sphere), points, &mut rays, sums);
         if let Some(polygon) = rays.blocker().filter(|_| shadowed) {
             blockers.remember(scene, index, polygon);
         }
     }
     for sun in &scene.suns {
         let styles = if sun.brightness > 0.0 { &mut result.styles } else { &mut result.negative };
-        sun::light_surface(scene, sun, surface, points, &mut rays, styles);
+        let sums = (styles, &mut result.directions);
+        sun::light_surface(scene, sun, surface, points, &mut rays, sums);
     }
     for light in &scene.radiosity_lights {
         let receiver = (surface, &sphere);
-        radiosity::light_surface(scene, light, receiver, points, &mut rays, &mut result.styles);
+        let sums = (&mut result.styles, &mut result.directions);
+        radiosity::light_surface(scene, light, receiver, points, &mut rays, sums);
     }
     result.local_minimum = minlight::local(scene, surface, points, &result.styles, &mut rays);
     result.rays = rays.rays();
@@ -184,7 +197,7 @@ fn light_surface(
     (surface, sphere): (&Surface, &BoundingSphere),
     (samples, dirt, leafs, reach): (&[Sample], &FaceDirt, &[Option<u32>], Reach<'_>),
     rays: &mut LightRays<'_>,
-    (styles, excess): (&mut Vec<StyleLight>, &mut Vec<StyleLight>),
+    (styles, excess, directions): (&mut Vec<StyleLight>, &mut Vec<StyleLight>, &mut Directions),
 ) {
     let (dist, gate) = (scene.world.dist, scene.world.gate);
     let behind = distance(light.origin, surface.normal, surface.dist) < 0.0;
@@ -211,6 +224,8 @@ fn light_surface(
         let arrival = rays.between(sample.position, light.origin, light.shadow_mask, colour);
         if let Some(arrival) = arrival {
             let style = arrival.style_of(light.style);
+            let way = light.origin - sample.position;
+            directions.add(style, (i, samples.len()), way, arrival.colour);
             add(styles, style, samples.len(), i, arrival.colour);
             let share = attenuation::excess(light, dist, away);
             if share > 0.0 {

@@ -6,7 +6,7 @@ use crate::scene::exact::{dot, length};
 use glam::Vec3;
 
 /// Nearer lights count as at this distance, straight above.
-const NEAREST: f32 = 0.1;
+pub(super) const NEAREST: f32 = 0.1;
 
 /// Colour that arrives at `position` on a surface with unit normal `normal`, in light units; `None`
 /// if the light is behind the surface or the point outside the light's cone or picture. `dist` is the world's

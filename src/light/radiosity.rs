@@ -1,7 +1,7 @@
 //! Light of surfaces that shine in the manner of radiosity (contract section 4.7, mode 1).
 
 use super::dirt::FaceDirt;
-use super::{BoundingSphere, StyleLight, add};
+use super::{BoundingSphere, Directions, StyleLight, add};
 use crate::scene::exact::{dot, length};
 use crate::scene::{
     DirtKeys, EmissiveQuality, LightRays, RadiosityLight, Sample, Scene, Surface, SurflightSettings,
@@ -22,7 +22,7 @@ pub(super) fn light_surface(
     (surface, sphere): (&Surface, &BoundingSphere),
     (samples, dirt): (&[Sample], &FaceDirt),
     rays: &mut LightRays<'_>,
-    styles: &mut Vec<StyleLight>,
+    (styles, directions): (&mut Vec<StyleLight>, &mut Directions),
 ) {
     let (settings, dist) = (&scene.world.surflight, scene.world.dist);
     let least = if settings.quality == EmissiveQuality::High { 0.0 } else { LEAST };
@@ -39,6 +39,7 @@ pub(super) fn light_surface(
             let Some(colour) = colour.filter(|c| c.max_element() > least) else { continue };
             let Some(arrival) = rays.between(*point, sample.position, 1, colour) else { continue };
             let colour = arrival.colour * dirt.factor(i, &keys, 0.0);
+            directions.add(light.style, (i, samples.len()), *point - sample.position, colour);
             add(styles, light.style, samples.len(), i, colour);
         }
     }

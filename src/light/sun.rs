@@ -1,6 +1,6 @@
 //! Light of suns and sky domes (contract section 5.3).
 
-use super::{FaceDirt, StyleLight, add};
+use super::{Directions, FaceDirt, StyleLight, add};
 use crate::scene::exact::{brightness, dot};
 use crate::scene::{Arrival, DirtKeys, LightRays, Sample, Scene, Sun, Surface};
 use glam::Vec3;
@@ -37,7 +37,7 @@ pub(crate) fn light_surface(
     surface: &Surface,
     (samples, dirt): (&[Sample], &FaceDirt),
     rays: &mut LightRays<'_>,
-    styles: &mut Vec<StyleLight>,
+    (styles, directions): (&mut Vec<StyleLight>, &mut Directions),
 ) {
     let behind = dot(sun.to_sun, surface.normal) < BEHIND;
     if behind && !surface.curved && !surface.two_sided || surface.channel_mask & 1 == 0 {
@@ -50,7 +50,9 @@ pub(crate) fn light_surface(
             continue;
         }
         if let Some(arrival) = seen(scene, sun, sample.position, colour, rays) {
-            add(styles, arrival.style_of(sun.style), samples.len(), i, arrival.colour);
+            let style = arrival.style_of(sun.style);
+            directions.add(style, (i, samples.len()), sun.to_sun, arrival.colour);
+            add(styles, style, samples.len(), i, arrival.colour);
         }
     }
 }

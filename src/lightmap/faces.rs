@@ -1,9 +1,12 @@
 //! Direct, indirect and negative light of every face, put together.
 
-use super::finish::{FinishSettings, FinishedFace, Smoothing, StyleChoice, finish};
-use crate::light::{self, DirectLight, Probe, StyleLight};
+use super::finish::{
+    FinishSettings, FinishedFace, Smoothing, StyleChoice, finish, finish_directions,
+};
+use crate::light::{self, DirectLight, Directions, Probe, StyleLight};
 use crate::photometry::Irradiance;
 use crate::scene::{Sample, Scene, Surface};
+use glam::Vec3;
 use rayon::prelude::*;
 
 /// Adds up the light of each surface and makes its lightmaps. `samples` and `direct` are for the
@@ -36,9 +39,35 @@ pub fn finish_faces(
             let free = light::post(scene, surface, samples, &direct, probe, &mut maps);
             let occluded: Vec<bool> = samples.iter().map(|s| s.occluded && !free).collect();
             let width = (grid.width * smoothing.extra) as usize;
-            finish(maps, &occluded, width, settings_of(scene, surface, choice), smoothing)
+            let settings = settings_of(scene, surface, choice);
+            let mut face = finish(maps, &occluded, width, settings, smoothing);
+            if direct.directions.are_wanted() {
+                let samples = (&occluded[..], width);
+                add_directions(&mut face, &direct.directions, surface, samples, smoothing);
+            }
+            face
         })
         .collect()
+}
+
+/// Gives the maps of a face the directions of their light.
+fn add_directions(
+    face: &mut FinishedFace,
+    directions: &Directions,
+    surface: &Surface,
+    (occluded, width): (&[bool], usize),
+    smoothing: Smoothing,
+) {
+    let [s, t] = surface.texture_axes.map(|axis| axis.try_normalize().unwrap_or(Vec3::ZERO));
+    for map in &mut face.styles {
+        let known = directions.styles().iter().find(|d| d.style == u16::from(map.style));
+        let to_tangent = |v: &Vec3| Vec3::new(v.dot(s), -v.dot(t), v.dot(surface.normal));
+        let vectors = match known {
+            Some(known) => known.vectors.iter().map(to_tangent).collect(),
+            None => vec![Vec3::ZERO; occluded.len()],
+        };
+        map.directions = finish_directions(vectors, occluded, width, smoothing);
+    }
 }
 
 fn settings_of(scene: &Scene, surface: &Surface, choice: StyleChoice) -> FinishSettings {

@@ -55,12 +55,16 @@ pub struct FinishedStyle {
     pub levels: Vec<[u8; 3]>,
     /// The light of each luxel in levels, before it is limited to 255 and truncated.
     pub light: Vec<Vec3>,
+    /// Where the light of each luxel comes from, in tangent space (along the texture's s, against its
+    /// t, along the normal) and of any length; none unless wanted.
+    pub directions: Vec<Vec3>,
 }
 
 impl FinishedStyle {
     /// A map of a style from its light in levels.
     pub fn new(style: u8, light: Vec<Vec3>) -> Self {
-        Self { style, levels: light.iter().copied().map(level).collect(), light }
+        let levels = light.iter().copied().map(level).collect();
+        Self { style, levels, light, directions: Vec::new() }
     }
 }
 
@@ -122,6 +126,17 @@ pub fn finish(
     let kept = kept.into_iter().take(most);
     face.styles = kept.map(|(_, style, light)| FinishedStyle::new(style, light)).collect();
     face
+}
+
+/// Makes luxels of the samples' directions, in the way that [`finish`] does it with their light.
+pub(super) fn finish_directions(
+    mut vectors: Vec<Vec3>,
+    occluded: &[bool],
+    width: usize,
+    smoothing: Smoothing,
+) -> Vec<Vec3> {
+    flood_fill(&mut vectors, occluded, width);
+    reduce(soften(vectors, width, smoothing.soft), width, smoothing.extra)
 }
 
 fn brightness(c: Vec3) -> f32 {

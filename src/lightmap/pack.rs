@@ -1,7 +1,7 @@
 //! The lighting lump: finished faces one after another.
 
 use super::{FinishedFace, FinishedStyle};
-use crate::bsp::pack_e5bgr9;
+use crate::bsp::{pack_direction, pack_e5bgr9};
 use crate::{Error, Result};
 use glam::Vec3;
 
@@ -19,6 +19,9 @@ pub struct Packed {
     pub rgb: Vec<u8>,
     /// One HDR colour a luxel (see [`crate::bsp::pack_e5bgr9`]), at the same index.
     pub hdr: Vec<u32>,
+    /// Three bytes a luxel, where light comes from (see [`crate::bsp::pack_direction`]), at three times
+    /// the offset; none unless wanted.
+    pub directions: Vec<u8>,
     /// For each face record: offset into `mono`, -1 for none, and its styles, 255 for none.
     pub faces: Vec<(i32, [u8; 4])>,
     /// For each face: all its lightmaps, at the luxel size they were made with.
@@ -92,11 +95,15 @@ impl Packed {
                 self.rgb.extend_from_slice(level);
             }
             self.hdr.extend(map.light.iter().map(|&light| hdr_colour(light)));
+            self.directions.extend(map.directions.iter().flat_map(|&d| pack_direction(d)));
         }
         let end = self.mono.len().next_multiple_of(4);
         self.mono.resize(end, 0);
         self.rgb.resize(3 * end, 0);
         self.hdr.resize(end, 0);
+        if !self.directions.is_empty() {
+            self.directions.resize(3 * end, 0);
+        }
         Ok(offset)
     }
 }

@@ -14,8 +14,13 @@ pub fn vanilla_copies(scene: &Scene, faces: &[FinishedFace], wanted: bool) -> Ve
         &surface.vanilla_luxels,
     ) {
         (Some(from), Some(to)) if wanted => {
-            let copy =
-                |map: &FinishedStyle| FinishedStyle::new(map.style, resample(&map.light, from, to));
+            let copy = |map: &FinishedStyle| {
+                let mut copy = FinishedStyle::new(map.style, resample(&map.light, from, to));
+                if !map.directions.is_empty() {
+                    copy.directions = resample(&map.directions, from, to);
+                }
+                copy
+            };
             Vanilla::Copy(face.styles.iter().map(copy).collect())
         }
         (_, None) if !scene.decoupled => Vanilla::Same,

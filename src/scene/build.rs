@@ -312,6 +312,7 @@ impl<'a> FaceReader<'a> {
             model: owner,
             offset,
             texture,
+            texture_axes: texinfo.map_or([Vec3::ZERO; 2], |t| [t.s.truncate(), t.t.truncate()]),
             reflectance: self.materials.of(texture),
             reflects,
             role,

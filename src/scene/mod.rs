@@ -1,6 +1,7 @@
 //! What light needs of a map: surfaces with materials, the ray tracer, the lights and the luxels.
 
 mod build;
+mod corner_frames;
 mod dirt;
 mod entity_lights;
 pub(crate) mod exact;

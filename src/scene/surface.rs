@@ -80,6 +80,9 @@ pub struct Surface {
     pub offset: Vec3,
     /// Index into the texture lump, if the face has a texture.
     pub texture: Option<u32>,
+    /// Directions in which texture coordinates s and t grow, as the texture is projected: not of unit
+    /// length, nor within the face; zero without texture placement.
+    pub texture_axes: [Vec3; 2],
     /// Share of light it sends back, per channel; matters only where `reflects` is set.
     pub reflectance: Reflectance,
     /// Sends light back: opaque, lightmapped and of a model that casts shadows.

@@ -9,6 +9,7 @@ pub mod map_builder;
 pub mod program;
 pub mod quads;
 pub mod views;
+pub mod written;
 
 use std::path::{Path, PathBuf};
 
