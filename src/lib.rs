@@ -116,6 +116,7 @@ pub fn light_bsp(
     }
     let vanilla = lightmap::vanilla_copies(&scene, &faces, outputs.vanilla);
     let packed = lightmap::pack(&faces, &vanilla)?;
+    bsp.bspx.extend(stage::light_grid(&scene, &patches, &bounced, progress)?);
     let lit = store::store(bsp, &packed, &scene, outputs);
     let rgb = packed.coloured.then_some(packed.rgb);
     Ok(MapLight { scene, faces, rgb, lit, counts })

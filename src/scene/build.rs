@@ -3,6 +3,7 @@
 use super::Scene;
 use super::entity_lights;
 use super::filter::Filters;
+use super::light_grid::LightGrid;
 use super::lights::Attenuation;
 use super::luxel_grid;
 use super::luxel_size::{LuxelSettings, LuxelSize, LuxelSizes};
@@ -135,6 +136,8 @@ impl Scene {
             lights.into_iter().partition(|l| l.attenuation == Attenuation::LocalMinimum);
         let suns = suns::make(&worldspawn, &world, &sky, &mut random)?;
 
+        let light_grid = LightGrid::read(&worldspawn, &entities, &surfaces, &mut warnings)?;
+
         let (tracer, tracer_surface) = build_tracer(&surfaces);
         let filters = Filters::new(bsp, &surfaces, &names, &models, settings, &mut warnings);
         Ok(Self {
@@ -146,6 +149,7 @@ impl Scene {
             suns,
             emitters,
             decoupled: wanted.world_units.is_some(),
+            light_grid,
             world,
             tracer,
             tracer_surface,

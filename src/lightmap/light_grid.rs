@@ -1,0 +1,231 @@
+//! Light at the points of the light grid: direct light as at the probes of brush models, and bounced
+//! light from all around.
+
+use super::finish::{FinishSettings, scale};
+use crate::Result;
+use crate::bsp::{BspxLump, Everywhere, GridPoint, GridStyle, Sides, octree_lump, sides_lump};
+use crate::light::{self, SIDES};
+use crate::patch::MapPatches;
+use crate::photometry::Irradiance;
+use crate::radiosity::bounce::PatchLight;
+use crate::radiosity::hemicube::{DeltaFormFactors, HemicubeSize, View};
+use crate::radiosity::transfers::Gatherer;
+use crate::scene::{GridFormat, LightGrid, Scene};
+use glam::{DVec3, Vec3};
+use rayon::prelude::*;
+
+/// Styles of a point that engines have room for.
+const MOST_STYLES: usize = 4;
+/// Cells along a hemicube: four of them make the mean of a point, which is stored in whole levels.
+const CELLS: u32 = 32;
+/// Points between reports of progress.
+const CHUNK: usize = 64;
+/// Corners of a tetrahedron. The mean of the irradiance on planes that face them is, for light that
+/// varies slowly with direction (spherical harmonics up to the third degree), the mean over all planes.
+const CORNERS: [[f32; 3]; 4] =
+    [[1.0, 1.0, 1.0], [1.0, -1.0, -1.0], [-1.0, 1.0, -1.0], [-1.0, -1.0, 1.0]];
+
+/// The solution that the points gather from.
+#[derive(Clone, Copy)]
+pub struct GridSources<'a> {
+    /// The map.
+    pub scene: &'a Scene,
+    /// Its patches.
+    pub patches: &'a MapPatches,
+    /// Their light in every style.
+    pub light: &'a [PatchLight],
+}
+
+/// The lump of a grid. `advance(n)` is told of every n points done.
+///
+/// Where a point has one colour, each direct light counts as on the best lit side of a cube, as in the
+/// reference, and bounced light as the mean of all sides: it comes from everywhere, and the best side
+/// for every patch would add up to more than any surface gets.
+///
+/// # Errors
+/// If the lump would pass 2 GiB.
+pub fn light_grid(
+    sources: GridSources<'_>,
+    grid: &LightGrid,
+    advance: impl Fn(u64) + Sync,
+) -> Result<BspxLump> {
+    match grid.format {
+        GridFormat::Octree => {
+            let corners = CORNERS.map(|corner| Vec3::from(corner).normalize());
+            let points = points(sources, grid, &corners, advance, |position, bounced| {
+                let mut styles: Vec<(u16, [Irradiance; 1])> = light::probe(sources.scene, position)
+                    .into_iter()
+                    .map(|(style, light)| (style, [light]))
+                    .collect();
+                add(
+                    &mut styles,
+                    bounced.map(|(style, e)| {
+                        (style, [Irradiance((e.iter().sum::<DVec3>() / e.len() as f64).as_vec3())])
+                    }),
+                );
+                styles
+            });
+            let points: Vec<GridPoint<Everywhere>> = points
+                .into_iter()
+                .map(|point| Some(point?.into_iter().map(single).collect()))
+                .collect();
+            octree_lump(&grid.place, &points)
+        }
+        GridFormat::Sides => {
+            let points: Vec<GridPoint<Sides>> =
+                points(sources, grid, &SIDES, advance, |position, bounced| {
+                    let mut styles = light::probe_sides(sources.scene, position);
+                    add(
+                        &mut styles,
+                        bounced.map(|(style, e)| {
+                            (style, std::array::from_fn(|side| Irradiance(e[side].as_vec3())))
+                        }),
+                    );
+                    styles
+                });
+            sides_lump(&grid.place, &points)
+        }
+    }
+}
+
+fn single(entry: GridStyle<[Everywhere; 1]>) -> GridStyle<Everywhere> {
+    GridStyle { style: entry.style, light: entry.light[0] }
+}
+
+/// Adds light to that of the same style.
+fn add<const N: usize>(
+    styles: &mut Vec<(u16, [Irradiance; N])>,
+    more: impl Iterator<Item = (u16, [Irradiance; N])>,
+) {
+    for (style, light) in more {
+        match styles.iter_mut().find(|s| s.0 == style) {
+            Some(sums) => sums.1.iter_mut().zip(light).for_each(|(sum, e)| *sum += e),
+            None => styles.push((style, light)),
+        }
+    }
+}
+
+/// Every point: `mix(position, bounced)` gives its light, where `bounced` is style and irradiance on
+/// planes that face `directions`.
+fn points<const N: usize>(
+    GridSources { scene, patches, light }: GridSources<'_>,
+    grid: &LightGrid,
+    directions: &[Vec3],
+    advance: impl Fn(u64) + Sync,
+    mix: impl Fn(Vec3, &mut dyn Iterator<Item = (u16, &[DVec3])>) -> Vec<(u16, [Irradiance; N])> + Sync,
+) -> Vec<GridPoint<[[u8; 3]; N]>> {
+    let size = HemicubeSize::new(CELLS, CELLS).expect("an even number in range");
+    let delta = DeltaFormFactors::new(size);
+    let exitance: Vec<Vec<Vec3>> =
+        light.iter().map(|l| l.exitance.iter().map(|m| m.0).collect()).collect();
+    let settings = FinishSettings {
+        range: scene.world.range,
+        gamma: scene.world.gamma,
+        max_light: scene.world.max_light,
+        ..FinishSettings::default()
+    };
+    let count = grid.place.len();
+    let chunks: Vec<Vec<GridPoint<[[u8; 3]; N]>>> = (0..count.div_ceil(CHUNK))
+        .into_par_iter()
+        .map_init(
+            || Gatherer::new(&scene.tracer, &patches.set, &delta, size),
+            |gatherer, chunk| {
+                let members = chunk * CHUNK..((chunk + 1) * CHUNK).min(count);
+                let done = members.len() as u64;
+                let points = members
+                    .map(|index| {
+                        let position = light::probe_place(scene, grid.place.position(index))?;
+                        let around =
+                            around(gatherer, position, index as u64, directions, &exitance);
+                        let mut bounced =
+                            light.iter().zip(&around).map(|(light, e)| (light.style, &e[..]));
+                        Some(levels(mix(position, &mut bounced), settings))
+                    })
+                    .collect();
+                advance(done);
+                points
+            },
+        )
+        .collect();
+    chunks.into_iter().flatten().collect()
+}
+
+/// Bounced irradiance of each style on planes that face `directions`.
+fn around(
+    gatherer: &mut Gatherer<'_>,
+    position: Vec3,
+    seed: u64,
+    directions: &[Vec3],
+    exitance: &[Vec<Vec3>],
+) -> Vec<Vec<DVec3>> {
+    let mut styles = vec![Vec::with_capacity(directions.len()); exitance.len()];
+    if exitance.is_empty() {
+        return styles;
+    }
+    let mut sums = Vec::new();
+    for direction in directions {
+        gatherer.look(&View::turned(position, *direction, seed));
+        gatherer.irradiance(exitance, &mut sums);
+        for (style, sum) in styles.iter_mut().zip(&sums) {
+            style.push(*sum);
+        }
+    }
+    styles
+}
+
+/// Light as stored: the brightest styles first, levels rounded, what is black left out.
+fn levels<const N: usize>(
+    styles: Vec<(u16, [Irradiance; N])>,
+    settings: FinishSettings,
+) -> Vec<GridStyle<[[u8; 3]; N]>> {
+    let mut scaled: Vec<(u8, [Vec3; N])> = styles
+        .into_iter()
+        .filter_map(|(style, light)| {
+            let style = u8::try_from(style).ok().filter(|style| *style < 255)?;
+            Some((style, light.map(|e| scale(e, settings))))
+        })
+        .collect();
+    let total = |light: &[Vec3; N]| light.iter().map(|c| c.element_sum()).sum::<f32>();
+    scaled.sort_by(|a, b| total(&b.1).total_cmp(&total(&a.1)).then(a.0.cmp(&b.0)));
+    scaled.truncate(MOST_STYLES);
+    let rounded =
+        scaled.into_iter().map(|(style, light)| GridStyle { style, light: light.map(round) });
+    rounded.filter(|entry| entry.light != [[0; 3]; N]).collect()
+}
+
+/// Limits to 255 keeping the hue, and rounds.
+fn round(light: Vec3) -> [u8; 3] {
+    let most = light.max_element();
+    let light = if most > 255.0 { light * (255.0 / most) } else { light };
+    light.to_array().map(|v| v.round() as u8)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn four_styles_are_kept_in_order_and_rounded() {
+        let light = |v: f32| [Irradiance(Vec3::new(v, 0.0, 0.0))];
+        let styles = vec![
+            (3, light(2.9)),
+            (300, light(9000.0)),
+            (7, light(0.98)),
+            (9, light(3.1)),
+            (1, light(1020.0)),
+            (2, light(-50.0)),
+            (4, light(2.9)),
+        ];
+        let kept = levels(styles, FinishSettings::default());
+        let got: Vec<(u8, u8)> = kept.iter().map(|s| (s.style, s.light[0][0])).collect();
+        assert_eq!(got, [(1, 255), (9, 2), (3, 1), (4, 1)]);
+        let dim = levels(vec![(0, light(0.9)), (5, light(-1.0))], FinishSettings::default());
+        assert!(dim.is_empty());
+    }
+
+    #[test]
+    fn the_hue_of_bright_light_stays() {
+        assert_eq!(round(Vec3::new(510.0, 255.0, 0.4)), [255, 128, 0]);
+        assert_eq!(round(Vec3::new(0.5, 0.49, f32::NAN)), [1, 0, 0]);
+    }
+}
