@@ -16,14 +16,12 @@ use rayon::prelude::*;
 
 /// Styles of a point that engines have room for.
 const MOST_STYLES: usize = 4;
-/// Cells along a hemicube: four of them make the mean of a point, which is stored in whole levels.
+/// Cells along a hemicube: few, as what they see is summed up and stored in whole levels.
 const CELLS: u32 = 32;
 /// Points between reports of progress.
 const CHUNK: usize = 64;
-/// Corners of a tetrahedron. The mean of the irradiance on planes that face them is, for light that
-/// varies slowly with direction (spherical harmonics up to the third degree), the mean over all planes.
-const CORNERS: [[f32; 3]; 4] =
-    [[1.0, 1.0, 1.0], [1.0, -1.0, -1.0], [-1.0, 1.0, -1.0], [-1.0, -1.0, 1.0]];
+/// Hemicubes in these directions see everything.
+const WHOLE: [Vec3; 2] = [Vec3::Z, Vec3::NEG_Z];
 
 /// The solution that the points gather from.
 #[derive(Clone, Copy)]
@@ -49,18 +47,17 @@ pub fn light_grid(
     grid: &LightGrid,
     advance: impl Fn(u64) + Sync,
 ) -> Result<BspxLump> {
+    let size = HemicubeSize::new(CELLS, CELLS).expect("an even number in range");
     match grid.format {
         GridFormat::Octree => {
-            let corners = CORNERS.map(|corner| Vec3::from(corner).normalize());
-            let points = points(sources, grid, &corners, advance, |position, bounced| {
-                let mut styles: Vec<(u16, [Irradiance; 1])> = light::probe(sources.scene, position)
-                    .into_iter()
-                    .map(|(style, light)| (style, [light]))
-                    .collect();
+            let looks = Looks { size, weights: DeltaFormFactors::of_sphere(size), along: &WHOLE };
+            let points = points(sources, grid, &looks, advance, |position, bounced| {
+                let direct = light::probe(sources.scene, position).into_iter();
+                let mut styles = direct.map(|(style, light)| (style, [light])).collect();
                 add(
                     &mut styles,
-                    bounced.map(|(style, e)| {
-                        (style, [Irradiance((e.iter().sum::<DVec3>() / e.len() as f64).as_vec3())])
+                    bounced.map(|(style, halves)| {
+                        (style, [Irradiance((halves[0] + halves[1]).as_vec3())])
                     }),
                 );
                 styles
@@ -72,8 +69,9 @@ pub fn light_grid(
             octree_lump(&grid.place, &points)
         }
         GridFormat::Sides => {
+            let looks = Looks { size, weights: DeltaFormFactors::new(size), along: &SIDES };
             let points: Vec<GridPoint<Sides>> =
-                points(sources, grid, &SIDES, advance, |position, bounced| {
+                points(sources, grid, &looks, advance, |position, bounced| {
                     let mut styles = light::probe_sides(sources.scene, position);
                     add(
                         &mut styles,
@@ -105,17 +103,22 @@ fn add<const N: usize>(
     }
 }
 
-/// Every point: `mix(position, bounced)` gives its light, where `bounced` is style and irradiance on
-/// planes that face `directions`.
+/// The hemicubes of a point.
+struct Looks<'a> {
+    size: HemicubeSize,
+    weights: DeltaFormFactors,
+    along: &'a [Vec3],
+}
+
+/// Every point: `mix(position, bounced)` gives its light, where `bounced` is style and irradiance by
+/// the hemicubes of `looks`.
 fn points<const N: usize>(
     GridSources { scene, patches, light }: GridSources<'_>,
     grid: &LightGrid,
-    directions: &[Vec3],
+    looks: &Looks<'_>,
     advance: impl Fn(u64) + Sync,
     mix: impl Fn(Vec3, &mut dyn Iterator<Item = (u16, &[DVec3])>) -> Vec<(u16, [Irradiance; N])> + Sync,
 ) -> Vec<GridPoint<[[u8; 3]; N]>> {
-    let size = HemicubeSize::new(CELLS, CELLS).expect("an even number in range");
-    let delta = DeltaFormFactors::new(size);
     let exitance: Vec<Vec<Vec3>> =
         light.iter().map(|l| l.exitance.iter().map(|m| m.0).collect()).collect();
     let settings = FinishSettings {
@@ -128,7 +131,7 @@ fn points<const N: usize>(
     let chunks: Vec<Vec<GridPoint<[[u8; 3]; N]>>> = (0..count.div_ceil(CHUNK))
         .into_par_iter()
         .map_init(
-            || Gatherer::new(&scene.tracer, &patches.set, &delta, size),
+            || Gatherer::new(&scene.tracer, &patches.set, &looks.weights, looks.size),
             |gatherer, chunk| {
                 let members = chunk * CHUNK..((chunk + 1) * CHUNK).min(count);
                 let done = members.len() as u64;
@@ -136,7 +139,7 @@ fn points<const N: usize>(
                     .map(|index| {
                         let position = light::probe_place(scene, grid.place.position(index))?;
                         let around =
-                            around(gatherer, position, index as u64, directions, &exitance);
+                            around(gatherer, position, index as u64, looks.along, &exitance);
                         let mut bounced =
                             light.iter().zip(&around).map(|(light, e)| (light.style, &e[..]));
                         Some(levels(mix(position, &mut bounced), settings))
@@ -150,7 +153,7 @@ fn points<const N: usize>(
     chunks.into_iter().flatten().collect()
 }
 
-/// Bounced irradiance of each style on planes that face `directions`.
+/// Bounced irradiance of each style, by hemicubes in these directions.
 fn around(
     gatherer: &mut Gatherer<'_>,
     position: Vec3,

@@ -12,7 +12,9 @@ mod vanilla;
 
 pub use atlas::dump;
 pub use faces::finish_faces;
-pub use finish::{FinishSettings, FinishedFace, FinishedStyle, Smoothing, StyleChoice, finish};
+pub use finish::{
+    FinishSettings, FinishedFace, FinishedStyle, LAST_BYTE_STYLE, Smoothing, StyleChoice, finish,
+};
 pub use indirect::{Gather, Sources, indirect};
 pub use light_grid::{GridSources, light_grid};
 pub use pack::{Block, Packed, Vanilla, hdr_colour, pack};
