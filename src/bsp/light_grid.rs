@@ -56,22 +56,19 @@ impl GridPlace {
     }
 }
 
-/// Light at a point: one entry a style, at most 254; `None` in solid.
-pub type GridPoint<L> = Option<Vec<GridStyle<L>>>;
+/// Light at a point: one entry a style, at most 254; `None` in solid. There is one colour that stands for
+/// light from everywhere, or one for each of the sides of a small cube that look along +x, -x, +y, -y,
+/// +z, -z.
+pub type GridPoint<const SIDES: usize> = Option<Vec<GridStyle<SIDES>>>;
 
 /// Light of one style at a point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct GridStyle<L> {
+pub struct GridStyle<const SIDES: usize> {
     /// Light style, below 255.
     pub style: u8,
-    /// Its light.
-    pub light: L,
+    /// RGB levels.
+    pub levels: [[u8; 3]; SIDES],
 }
-
-/// RGB levels that stand for light from everywhere.
-pub type Everywhere = [u8; 3];
-/// RGB levels on the sides of a small cube that look along +x, -x, +y, -y, +z, -z.
-pub type Sides = [[u8; 3]; 6];
 
 /// The lump `LIGHTGRID_OCTREE`: one colour a style and point.
 ///
@@ -80,10 +77,9 @@ pub type Sides = [[u8; 3]; 6];
 ///
 /// # Panics
 /// If there is not one entry for each point.
-pub fn octree_lump(place: &GridPlace, points: &[GridPoint<Everywhere>]) -> Result<BspxLump> {
-    let style = |light: &Everywhere, out: &mut Vec<u8>| out.extend(light);
-    let grid = Grid { place, points, leaf_head: |_| None, style };
-    Ok(BspxLump { name: "LIGHTGRID_OCTREE".into(), data: grid.bytes()? })
+pub fn octree_lump(place: &GridPlace, points: &[GridPoint<1>]) -> Result<BspxLump> {
+    let data = Grid { place, points }.bytes()?;
+    Ok(BspxLump { name: "LIGHTGRID_OCTREE".into(), data })
 }
 
 /// The lump `LIGHTGRIDS` with one grid: the colours on the sides of a cube. Black sides take no room.
@@ -93,27 +89,18 @@ pub fn octree_lump(place: &GridPlace, points: &[GridPoint<Everywhere>]) -> Resul
 ///
 /// # Panics
 /// If there is not one entry for each point.
-pub fn sides_lump(place: &GridPlace, points: &[GridPoint<Sides>]) -> Result<BspxLump> {
-    let style = |sides: &Sides, out: &mut Vec<u8>| {
-        let lit = || sides.iter().enumerate().filter(|(_, side)| **side != [0; 3]);
-        out.push(lit().map(|(i, _)| 1 << i).sum());
-        out.extend(lit().flat_map(|(_, side)| side));
-    };
-    let grid = Grid { place, points, leaf_head: Some, style };
-    let bytes = grid.bytes()?;
+pub fn sides_lump(place: &GridPlace, points: &[GridPoint<6>]) -> Result<BspxLump> {
+    let bytes = Grid { place, points }.bytes()?;
     let mut data = Vec::with_capacity(bytes.len() + 4);
     push_u32(&mut data, bytes.len())?;
     data.extend(bytes);
     Ok(BspxLump { name: "LIGHTGRIDS".into(), data })
 }
 
-/// A grid to be written: `style` appends the light of a style, `leaf_head` makes of the most styles of
-/// a leaf what follows its size.
-struct Grid<'a, L, H, S> {
+/// A grid to be written.
+struct Grid<'a, const SIDES: usize> {
     place: &'a GridPlace,
-    points: &'a [GridPoint<L>],
-    leaf_head: H,
-    style: S,
+    points: &'a [GridPoint<SIDES>],
 }
 
 /// A part of the points.
@@ -132,11 +119,7 @@ struct Tree {
     leafs: Vec<u8>,
 }
 
-impl<L, H, S> Grid<'_, L, H, S>
-where
-    H: Fn(u8) -> Option<u8>,
-    S: Fn(&L, &mut Vec<u8>),
-{
+impl<const SIDES: usize> Grid<'_, SIDES> {
     fn bytes(&self) -> Result<Vec<u8>> {
         assert_eq!(self.points.len(), self.place.len(), "one entry a point");
         let GridPlace { mins, step, size } = *self.place;
@@ -190,16 +173,24 @@ where
         let out = &mut tree.leafs;
         put_words(out, part.mins.to_array());
         put_words(out, part.size.to_array());
-        out.extend((self.leaf_head)(most_styles(self.points_of(part))));
+        if SIDES > 1 {
+            out.push(most_styles(self.points_of(part)));
+        }
         for point in self.points_of(part) {
             let Some(styles) = point else {
                 out.push(NO_DATA);
                 continue;
             };
             out.push(styles.len() as u8);
-            for entry in styles {
-                out.push(entry.style);
-                (self.style)(&entry.light, out);
+            for GridStyle { style, levels } in styles {
+                out.push(*style);
+                if SIDES == 1 {
+                    out.extend(levels[0]);
+                    continue;
+                }
+                let lit = || levels.iter().enumerate().filter(|(_, side)| **side != [0; 3]);
+                out.push(lit().map(|(side, _)| 1 << side).sum());
+                out.extend(lit().flat_map(|(_, side)| side));
             }
         }
         tree.leaf_count += 1;
@@ -207,7 +198,7 @@ where
     }
 
     /// The points of a part; x runs fastest, z slowest.
-    fn points_of(&self, part: Box3) -> impl Iterator<Item = &GridPoint<L>> {
+    fn points_of(&self, part: Box3) -> impl Iterator<Item = &GridPoint<SIDES>> {
         let [width, depth, height] = part.size.to_array();
         (0..height).flat_map(move |z| (0..depth).map(move |y| (y, z))).flat_map(move |(y, z)| {
             let first = self.place.index(part.mins + UVec3::new(0, y, z));
@@ -217,7 +208,9 @@ where
 }
 
 /// The most styles of any point.
-fn most_styles<'a, L: 'a>(points: impl IntoIterator<Item = &'a GridPoint<L>>) -> u8 {
+fn most_styles<'a, const SIDES: usize>(
+    points: impl IntoIterator<Item = &'a GridPoint<SIDES>>,
+) -> u8 {
     points.into_iter().flatten().map(|styles| styles.len() as u8).max().unwrap_or(0)
 }
 

@@ -1,5 +1,5 @@
-//! The file formats: BSP29, BSP2 and 2PSB, BSPX, light grids, `.lit`, entity text, miptextures, WAD2, the palette
-//! and face extents. Nothing here knows about lighting.
+//! The file formats: BSP29, BSP2 and 2PSB, BSPX, light grids, `.lit`, entity text, miptextures, WAD2,
+//! the palette and face extents. Nothing here knows about lighting.
 //!
 //! Reading never panics: every index is checked once, here, so that the rest may index freely.
 //! Writing keeps every lump that was not changed byte for byte.
@@ -28,7 +28,7 @@ pub use e5bgr9::{E5BGR9_MAX, pack_e5bgr9, unpack_e5bgr9};
 pub use entities::{Entity, parse_entities, write_entities};
 pub use extents::{Extents, MAX_LUXELS, extents};
 pub use file::Bsp;
-pub use light_grid::{Everywhere, GridPlace, GridPoint, GridStyle, Sides, octree_lump, sides_lump};
+pub use light_grid::{GridPlace, GridPoint, GridStyle, octree_lump, sides_lump};
 pub use lit::{read_hdr_lit, read_lit, write_hdr_lit, write_lit};
 pub use miptex::MipTex;
 pub use palette::{PALETTE, TRANSPARENT, average_colour};

@@ -3,7 +3,7 @@
 
 use super::finish::{FinishSettings, scale};
 use crate::Result;
-use crate::bsp::{BspxLump, Everywhere, GridPoint, GridStyle, Sides, octree_lump, sides_lump};
+use crate::bsp::{BspxLump, GridPoint, GridStyle, octree_lump, sides_lump};
 use crate::light::{self, SIDES};
 use crate::patch::MapPatches;
 use crate::photometry::Irradiance;
@@ -50,75 +50,53 @@ pub fn light_grid(
     let size = HemicubeSize::new(CELLS, CELLS).expect("an even number in range");
     match grid.format {
         GridFormat::Octree => {
-            let looks = Looks { size, weights: DeltaFormFactors::of_sphere(size), along: &WHOLE };
-            let points = points(sources, grid, &looks, advance, |position, bounced| {
-                let direct = light::probe(sources.scene, position).into_iter();
-                let mut styles = direct.map(|(style, light)| (style, [light])).collect();
-                add(
-                    &mut styles,
-                    bounced.map(|(style, halves)| {
-                        (style, [Irradiance((halves[0] + halves[1]).as_vec3())])
-                    }),
-                );
-                styles
-            });
-            let points: Vec<GridPoint<Everywhere>> = points
-                .into_iter()
-                .map(|point| Some(point?.into_iter().map(single).collect()))
-                .collect();
-            octree_lump(&grid.place, &points)
+            let kind = Kind {
+                size,
+                weights: DeltaFormFactors::of_sphere(size),
+                along: &WHOLE,
+                direct: |scene, position| {
+                    let light = light::probe(scene, position);
+                    light.into_iter().map(|(style, light)| (style, [light])).collect()
+                },
+                bounced: |halves| [Irradiance((halves[0] + halves[1]).as_vec3())],
+            };
+            octree_lump(&grid.place, &points(sources, grid, &kind, advance))
         }
         GridFormat::Sides => {
-            let looks = Looks { size, weights: DeltaFormFactors::new(size), along: &SIDES };
-            let points: Vec<GridPoint<Sides>> =
-                points(sources, grid, &looks, advance, |position, bounced| {
-                    let mut styles = light::probe_sides(sources.scene, position);
-                    add(
-                        &mut styles,
-                        bounced.map(|(style, e)| {
-                            (style, std::array::from_fn(|side| Irradiance(e[side].as_vec3())))
-                        }),
-                    );
-                    styles
-                });
-            sides_lump(&grid.place, &points)
+            let kind = Kind {
+                size,
+                weights: DeltaFormFactors::new(size),
+                along: &SIDES,
+                direct: light::probe_sides,
+                bounced: |sides| std::array::from_fn(|side| Irradiance(sides[side].as_vec3())),
+            };
+            sides_lump(&grid.place, &points(sources, grid, &kind, advance))
         }
     }
 }
 
-fn single(entry: GridStyle<[Everywhere; 1]>) -> GridStyle<Everywhere> {
-    GridStyle { style: entry.style, light: entry.light[0] }
-}
+/// Light of a point on so many sides, by style.
+type Styles<const N: usize> = Vec<(u16, [Irradiance; N])>;
 
-/// Adds light to that of the same style.
-fn add<const N: usize>(
-    styles: &mut Vec<(u16, [Irradiance; N])>,
-    more: impl Iterator<Item = (u16, [Irradiance; N])>,
-) {
-    for (style, light) in more {
-        match styles.iter_mut().find(|s| s.0 == style) {
-            Some(sums) => sums.1.iter_mut().zip(light).for_each(|(sum, e)| *sum += e),
-            None => styles.push((style, light)),
-        }
-    }
-}
-
-/// The hemicubes of a point.
-struct Looks<'a> {
+/// How the light of a point is found.
+struct Kind<const N: usize> {
+    /// Of the hemicubes, which look along these directions.
     size: HemicubeSize,
     weights: DeltaFormFactors,
-    along: &'a [Vec3],
+    along: &'static [Vec3],
+    /// Direct light at a place.
+    direct: fn(&Scene, Vec3) -> Styles<N>,
+    /// Bounced irradiance from that of the hemicubes.
+    bounced: fn(&[DVec3]) -> [Irradiance; N],
 }
 
-/// Every point: `mix(position, bounced)` gives its light, where `bounced` is style and irradiance by
-/// the hemicubes of `looks`.
+/// Every point.
 fn points<const N: usize>(
     GridSources { scene, patches, light }: GridSources<'_>,
     grid: &LightGrid,
-    looks: &Looks<'_>,
+    kind: &Kind<N>,
     advance: impl Fn(u64) + Sync,
-    mix: impl Fn(Vec3, &mut dyn Iterator<Item = (u16, &[DVec3])>) -> Vec<(u16, [Irradiance; N])> + Sync,
-) -> Vec<GridPoint<[[u8; 3]; N]>> {
+) -> Vec<GridPoint<N>> {
     let exitance: Vec<Vec<Vec3>> =
         light.iter().map(|l| l.exitance.iter().map(|m| m.0).collect()).collect();
     let settings = FinishSettings {
@@ -128,21 +106,23 @@ fn points<const N: usize>(
         ..FinishSettings::default()
     };
     let count = grid.place.len();
-    let chunks: Vec<Vec<GridPoint<[[u8; 3]; N]>>> = (0..count.div_ceil(CHUNK))
+    let chunks: Vec<Vec<GridPoint<N>>> = (0..count.div_ceil(CHUNK))
         .into_par_iter()
         .map_init(
-            || Gatherer::new(&scene.tracer, &patches.set, &looks.weights, looks.size),
+            || Gatherer::new(&scene.tracer, &patches.set, &kind.weights, kind.size),
             |gatherer, chunk| {
                 let members = chunk * CHUNK..((chunk + 1) * CHUNK).min(count);
                 let done = members.len() as u64;
                 let points = members
                     .map(|index| {
                         let position = light::probe_place(scene, grid.place.position(index))?;
+                        let mut styles = (kind.direct)(scene, position);
                         let around =
-                            around(gatherer, position, index as u64, looks.along, &exitance);
-                        let mut bounced =
-                            light.iter().zip(&around).map(|(light, e)| (light.style, &e[..]));
-                        Some(levels(mix(position, &mut bounced), settings))
+                            around(gatherer, position, index as u64, kind.along, &exitance);
+                        for (light, around) in light.iter().zip(around) {
+                            add(&mut styles, light.style, (kind.bounced)(&around));
+                        }
+                        Some(levels(styles, settings))
                     })
                     .collect();
                 advance(done);
@@ -176,11 +156,16 @@ fn around(
     styles
 }
 
+/// Adds light to that of the same style.
+fn add<const N: usize>(styles: &mut Styles<N>, style: u16, light: [Irradiance; N]) {
+    match styles.iter_mut().find(|s| s.0 == style) {
+        Some(sums) => sums.1.iter_mut().zip(light).for_each(|(sum, e)| *sum += e),
+        None => styles.push((style, light)),
+    }
+}
+
 /// Light as stored: the brightest styles first, levels rounded, what is black left out.
-fn levels<const N: usize>(
-    styles: Vec<(u16, [Irradiance; N])>,
-    settings: FinishSettings,
-) -> Vec<GridStyle<[[u8; 3]; N]>> {
+fn levels<const N: usize>(styles: Styles<N>, settings: FinishSettings) -> Vec<GridStyle<N>> {
     let mut scaled: Vec<(u8, [Vec3; N])> = styles
         .into_iter()
         .filter_map(|(style, light)| {
@@ -192,8 +177,8 @@ fn levels<const N: usize>(
     scaled.sort_by(|a, b| total(&b.1).total_cmp(&total(&a.1)).then(a.0.cmp(&b.0)));
     scaled.truncate(MOST_STYLES);
     let rounded =
-        scaled.into_iter().map(|(style, light)| GridStyle { style, light: light.map(round) });
-    rounded.filter(|entry| entry.light != [[0; 3]; N]).collect()
+        scaled.into_iter().map(|(style, light)| GridStyle { style, levels: light.map(round) });
+    rounded.filter(|entry| entry.levels != [[0; 3]; N]).collect()
 }
 
 /// Limits to 255 keeping the hue, and rounds.
@@ -220,7 +205,7 @@ mod tests {
             (4, light(2.9)),
         ];
         let kept = levels(styles, FinishSettings::default());
-        let got: Vec<(u8, u8)> = kept.iter().map(|s| (s.style, s.light[0][0])).collect();
+        let got: Vec<(u8, u8)> = kept.iter().map(|s| (s.style, s.levels[0][0])).collect();
         assert_eq!(got, [(1, 255), (9, 2), (3, 1), (4, 1)]);
         let dim = levels(vec![(0, light(0.9)), (5, light(-1.0))], FinishSettings::default());
         assert!(dim.is_empty());
