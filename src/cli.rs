@@ -4,7 +4,7 @@ use crate::engine::Engine;
 use crate::lightmap::{Gather, Smoothing};
 use crate::outputs::{DirectionFile, LitFile, Outputs, Scope};
 use crate::radiosity::hemicube::HemicubeSize;
-use crate::scene::LuxelSettings;
+use crate::scene::{LightGrid, LuxelSettings};
 use crate::settings::{Settings, SurfaceLights};
 use crate::{Error, Result};
 use clap::{ArgGroup, Args, Parser, ValueEnum};
@@ -199,6 +199,22 @@ pub struct OutputArgs {
     #[arg(long, value_name = "U", conflicts_with = "lmshift", help_heading = "Outputs")]
     pub world_units_per_luxel: Option<f32>,
 
+    /// Write a light grid: light at points in the air, for what moves there
+    #[arg(long, help_heading = "Outputs")]
+    pub lightgrid: bool,
+
+    /// World units between its points: one number, or three for x, y and z [default: 32]
+    #[arg(long, value_name = "X,Y,Z", value_parser = grid_step, help_heading = "Outputs")]
+    pub lightgrid_dist: Option<String>,
+
+    /// One colour a point (LIGHTGRID_OCTREE), or one for each of six directions (LIGHTGRIDS)
+    #[arg(long, value_enum, help_heading = "Outputs")]
+    pub lightgrid_format: Option<GridFormatArg>,
+
+    /// Write the light grid as asked for even if it has more than 2 million points
+    #[arg(long, help_heading = "Outputs")]
+    pub lightgrid_force: bool,
+
     /// Write only the .lit file, for the lightmaps that the map has
     #[arg(long, conflicts_with_all = ["lmshift", "world_units_per_luxel"], help_heading = "Outputs")]
     pub litonly: bool,
@@ -209,6 +225,20 @@ pub struct OutputArgs {
 }
 
 impl OutputArgs {
+    /// The options of the light grid as worldspawn keys, which is what they are in a map too.
+    fn grid_keys(&self) -> impl Iterator<Item = (String, String)> {
+        let flag = |on: bool| on.then(|| "1".to_owned());
+        let format = self.lightgrid_format.map(|format| format!("{format:?}"));
+        [
+            ("lightgrid", flag(self.lightgrid)),
+            ("lightgrid_force", flag(self.lightgrid_force)),
+            ("lightgrid_dist", self.lightgrid_dist.clone()),
+            ("lightgrid_format", format),
+        ]
+        .into_iter()
+        .filter_map(|(key, value)| Some((key.to_owned(), value?)))
+    }
+
     /// The outputs that the options ask for, not checked yet.
     fn outputs(&self) -> Outputs {
         let base = self.engine.map_or_else(Outputs::default, Engine::outputs);
@@ -241,6 +271,15 @@ impl OutputArgs {
     }
 }
 
+/// Spelling of [`GridFormat`](crate::scene::GridFormat): names of the values of the key.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub enum GridFormatArg {
+    /// One colour a point
+    Octree,
+    /// Six colours a point
+    Lightgrids,
+}
+
 /// Spelling of [`Gather`].
 #[derive(Clone, Copy, Debug, Default, ValueEnum)]
 pub enum GatherArg {
@@ -271,6 +310,13 @@ fn key_value(text: &str) -> std::result::Result<(String, String), String> {
     }
 }
 
+/// A step of the light grid, as the key has it.
+fn grid_step(text: &str) -> std::result::Result<String, String> {
+    let value = text.replace(',', " ");
+    let usable = LightGrid::parse_step(&value).is_some();
+    usable.then_some(value).ok_or_else(|| "give one number or three, each 1 to 65536".into())
+}
+
 impl Cli {
     /// The settings of a map run.
     ///
@@ -293,7 +339,7 @@ impl Cli {
                 SurfaceLightsArg::Points => SurfaceLights::Points,
                 SurfaceLightsArg::Area => SurfaceLights::Area,
             },
-            overrides: self.set.clone(),
+            overrides: self.set.iter().cloned().chain(self.outputs.grid_keys()).collect(),
             outputs: self.outputs.outputs(),
         }
         .checked()

@@ -49,7 +49,8 @@ impl Engine {
     }
 
     /// Which of the outputs asked for this engine does not read, one sentence each.
-    pub fn unread(self, outputs: &Outputs, decoupled: bool) -> Vec<String> {
+    /// `decoupled` and `light_grid` tell whether the map gets such lumps.
+    pub fn unread(self, outputs: &Outputs, decoupled: bool, light_grid: bool) -> Vec<String> {
         let reads_lumps = matches!(self, Self::Qss | Self::Fte | Self::Ezquake);
         let reads_hdr = matches!(self, Self::Qss | Self::Fte);
         let fte = self == Self::Fte;
@@ -64,8 +65,9 @@ impl Engine {
             (outputs.bspx_lit && !reads_lumps, "RGBLIGHTING"),
             (!outputs.vanilla && !reads_lumps, "anything in place of the lighting lump"),
             (outputs.luxels.shift.is_some() && !reads_hdr, "LMSHIFT"),
-            (outputs.face_styles > 4 && !reads_hdr, "LMSTYLE"),
+            (outputs.face_styles > 4 && !reads_hdr, "LMSTYLE and LMSTYLE16"),
             (decoupled && !reads_lumps, "DECOUPLED_LM"),
+            (light_grid && self != Self::Fte, "light grids"),
         ];
         let name = self.choice().split(':').next().unwrap_or_default();
         let unread = told.into_iter().filter(|(unread, _)| *unread);
@@ -81,10 +83,10 @@ mod tests {
     fn no_engine_is_given_what_it_does_not_read() {
         for engine in Engine::value_variants() {
             let outputs = engine.outputs().checked().unwrap();
-            assert!(engine.unread(&outputs, false).is_empty(), "{engine:?}");
+            assert!(engine.unread(&outputs, false, false).is_empty(), "{engine:?}");
             assert!(!engine.choice().contains('\n'));
         }
         let outputs = Outputs { bspx_hdr: true, vanilla: false, ..Outputs::default() };
-        assert_eq!(Engine::Ironwail.unread(&outputs, true).len(), 3);
+        assert_eq!(Engine::Ironwail.unread(&outputs, true, true).len(), 4);
     }
 }

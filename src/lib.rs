@@ -119,6 +119,7 @@ pub fn light_bsp(
     let copies = outputs.vanilla && outputs.writes_map();
     let vanilla = lightmap::vanilla_copies(&scene, &faces, copies);
     let packed = lightmap::pack(&faces, &vanilla)?;
+    bsp.bspx.extend(stage::light_grid(&scene, &patches, &bounced, progress)?);
     let files = store::store(bsp, &packed, &scene, outputs)?;
     let rgb = packed.coloured.then_some(packed.rgb);
     Ok(MapLight { scene, faces, rgb, files, counts })

@@ -50,7 +50,8 @@ pub fn run(cli: &Cli, path: &Path, visible: bool) -> anyhow::Result<()> {
         written.push(picture.clone());
     }
     if let Some(engine) = cli.outputs.engine {
-        for sentence in engine.unread(&settings.outputs, lit.scene.decoupled) {
+        let (decoupled, grid) = (lit.scene.decoupled, lit.scene.light_grid.is_some());
+        for sentence in engine.unread(&settings.outputs, decoupled, grid) {
             log::warn!("{sentence}");
         }
     }

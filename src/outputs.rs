@@ -79,8 +79,8 @@ pub struct Outputs {
     /// Lightmaps as the original engine reads them; without them only lumps and files that hold
     /// colours are written.
     pub vanilla: bool,
-    /// The most light styles of a face, 1 to 16. Those after the fourth need an engine that reads
-    /// `LMSTYLE`.
+    /// The most light styles of a face, 1 to 16. Above 4, styles above 254 are stored too. Those after
+    /// the fourth need an engine that reads `LMSTYLE`, and those above 254 one that reads `LMSTYLE16`.
     pub face_styles: u32,
     /// Luxel sizes.
     pub luxels: LuxelSettings,
@@ -151,8 +151,12 @@ impl Outputs {
     pub(crate) fn style_choice(&self) -> StyleChoice {
         match self.scope {
             // The map says which.
-            Scope::LitOnly => StyleChoice { most: usize::MAX, dim: true },
-            _ => StyleChoice { most: self.face_styles as usize, dim: self.hdr() },
+            Scope::LitOnly => StyleChoice { most: usize::MAX, dim: true, wide: false },
+            _ => StyleChoice {
+                most: self.face_styles as usize,
+                dim: self.hdr(),
+                wide: self.face_styles > RECORD_STYLES,
+            },
         }
     }
 }

@@ -1,5 +1,7 @@
 //! The stages of a map run: each calls one room, over all faces, and shows its progress.
 
+use crate::Result;
+use crate::bsp::BspxLump;
 use crate::light::{self, DirectLight, Directions, Probe, StyleLight};
 use crate::lightmap::{self, FinishedFace};
 use crate::patch::MapPatches;
@@ -165,6 +167,19 @@ pub(crate) fn probes(
     settings: &Settings,
 ) -> Vec<Option<Probe>> {
     lightmap::probes(scene, patches, samples, &bounced.styles, settings.hemicube)
+}
+
+/// The lump of the light grid, if there is to be one.
+pub(crate) fn light_grid(
+    scene: &Scene,
+    patches: &MapPatches,
+    bounced: &Bounced,
+    progress: &Progress,
+) -> Result<Option<BspxLump>> {
+    let Some(grid) = &scene.light_grid else { return Ok(None) };
+    let stage = progress.stage("light grid", grid.place.len());
+    let sources = lightmap::GridSources { scene, patches, light: &bounced.styles };
+    lightmap::light_grid(sources, grid, |n| stage.advance(n)).map(Some)
 }
 
 /// All light of every face put together, as lightmaps.

@@ -4,7 +4,7 @@ use crate::bsp::{
     Bsp, BspxLump, LitFace, pack_direction, write_face_normals, write_hdr_lit, write_lit,
     write_lit2,
 };
-use crate::lightmap::{Block, FinishedFace, Packed, hdr_colour};
+use crate::lightmap::{Block, FinishedFace, LAST_BYTE_STYLE, Packed, hdr_colour};
 use crate::outputs::{DirectionFile, LitFile, Outputs};
 use crate::scene::{Scene, Surface};
 use crate::{Error, Result};
@@ -144,15 +144,17 @@ fn push_decoupled(out: &mut Vec<u8>, offset: i32, surface: &Surface) {
     }
 }
 
-/// Writes the styles of the faces, if one has more than its record holds.
+/// Writes the styles of the faces, if one has more than its record holds or some that it cannot name.
 fn store_styles(bsp: &mut Bsp, blocks: &[Block]) {
     let most = blocks.iter().map(|b| b.styles.len()).max().unwrap_or(0);
-    if most > RECORD_STYLES {
-        let styles = blocks.iter().flat_map(|block| {
-            block.styles.iter().copied().chain(std::iter::repeat(NO_STYLE)).take(most)
-        });
-        let styles = styles.collect();
-        put(bsp, "LMSTYLE", styles);
+    let padded = blocks.iter().flat_map(|block| {
+        block.styles.iter().copied().chain(std::iter::repeat(u16::MAX)).take(most)
+    });
+    if blocks.iter().flat_map(|b| &b.styles).any(|&style| style > LAST_BYTE_STYLE) {
+        put(bsp, "LMSTYLE16", padded.flat_map(u16::to_le_bytes).collect());
+    } else if most > RECORD_STYLES {
+        let bytes = padded.map(|style| u8::try_from(style).unwrap_or(NO_STYLE));
+        put(bsp, "LMSTYLE", bytes.collect());
     }
 }
 
@@ -211,7 +213,9 @@ pub(crate) fn lit_only(
                     range.end
                 ));
             }
-            let Some(map) = face.styles.iter().find(|map| map.style == *style) else { continue };
+            let Some(map) = face.styles.iter().find(|map| map.style == u16::from(*style)) else {
+                continue;
+            };
             for ((at, level), light) in range.clone().zip(&map.levels).zip(&map.light) {
                 rgb[3 * at..3 * at + 3].copy_from_slice(level);
                 hdr[at] = hdr_colour(*light);

@@ -153,12 +153,17 @@ fn a_lit_file_without_colour_is_written_on_request() {
 
 /// A room with lights of six styles over its floor, the later the dimmer.
 fn six_styles() -> MapBuilder {
+    styled([1, 2, 3, 4, 5, 6])
+}
+
+/// A room with lights of some styles over its floor, the later the dimmer.
+fn styled<const N: usize>(styles: [u32; N]) -> MapBuilder {
     let mut text = "{\n\"classname\" \"worldspawn\"\n}\n".to_owned();
-    for style in 1..=6 {
+    for (place, style) in styles.iter().enumerate() {
         text += &format!(
             "{{\n\"classname\" \"light\"\n\"origin\" \"0 0 120\"\n\"light\" \"{}\"\n\"style\" \
              \"{style}\"\n}}\n",
-            400 - 20 * style
+            380 - 20 * place
         );
     }
     room(0.0, "1 1 1", "").entities(text)
@@ -190,6 +195,45 @@ fn more_styles_than_a_record_holds_follow_the_first_four() {
     assert!(maps(&bsp, 4) == maps(&four, 4));
     let middles: Vec<u8> = (0..6).map(|s| bsp.lighting[floor_middle(&bsp) + s * luxels]).collect();
     assert!(middles.windows(2).all(|m| m[0] > m[1]), "{middles:?}");
+}
+
+#[test]
+fn styles_that_no_byte_names_are_in_words() {
+    let (_folder, path) = on_disk(&styled([300, 3, 65534, 255, 1, 2]));
+    // Without leave for more styles they are as good as absent.
+    run(&path, &["--bounces", "0"]);
+    let narrow = read(&path);
+    assert!(narrow.bspx.is_empty());
+    let face = floor(&narrow);
+    assert_eq!(narrow.faces[face].styles, [3, 1, 2, 255]);
+    run(&path, &["--bounces", "0", "--facestyles", "5"]);
+    let bsp = read(&path);
+    assert_eq!(bsp.bspx.len(), 1);
+    let words = lump(&bsp, "LMSTYLE16").unwrap();
+    assert_eq!(words.len(), 2 * 5 * bsp.faces.len());
+    let words: Vec<u16> =
+        words.chunks_exact(2).map(|b| u16::from_le_bytes(b.try_into().unwrap())).collect();
+    // The five brightest; those that the record can name are first, in its order.
+    assert_eq!(words[5 * face..][..5], [3, 1, 300, 65534, 255]);
+    assert_eq!(bsp.faces[face].styles, [3, 1, 255, 255]);
+    let luxels = size_of(&bsp, face, 16.0).iter().product::<usize>();
+    let map = |bsp: &Bsp, slot: usize| {
+        bsp.lighting[bsp.faces[face].light_offset as usize + slot * luxels..][..luxels].to_vec()
+    };
+    assert!((0..2).all(|slot| map(&bsp, slot) == map(&narrow, slot)));
+    // Each map is that of its style: a brighter light has a brighter one.
+    let middle = floor_middle(&bsp);
+    let level = |slot: usize| bsp.lighting[middle + slot * luxels];
+    let by_brightness = [level(2), level(0), level(3), level(4), level(1)];
+    assert!(by_brightness.windows(2).all(|m| m[0] > m[1]), "{by_brightness:?}");
+    // A list ends early where a face has fewer styles.
+    let (_folder, path) = on_disk(&styled([300]));
+    run(&path, &["--bounces", "0", "--facestyles", "16"]);
+    let bsp = read(&path);
+    let face = floor(&bsp);
+    assert_eq!(lump(&bsp, "LMSTYLE16").unwrap()[2 * face..][..2], 300_u16.to_le_bytes());
+    assert_eq!(bsp.faces[face].styles, [255; 4]);
+    assert!(bsp.faces[face].light_offset >= 0);
 }
 
 /// Width and height of a face's lightmap with luxels of a size.

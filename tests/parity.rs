@@ -54,7 +54,7 @@ fn compare(map: &str) -> Option<Agreement> {
 
     let mut result = Agreement { faces: lit.faces.len(), ..Agreement::default() };
     for (face, record) in lit.faces.iter().zip(&other.faces) {
-        let mut ours: Vec<u8> = face.styles.iter().map(|s| s.style).collect();
+        let mut ours: Vec<u8> = face.styles.iter().map(|s| s.style as u8).collect();
         let mut theirs: Vec<u8> = record.styles.iter().copied().filter(|s| *s != 255).collect();
         ours.sort_unstable();
         theirs.sort_unstable();
@@ -64,7 +64,8 @@ fn compare(map: &str) -> Option<Agreement> {
         styles.sort_unstable();
         styles.dedup();
         for style in styles {
-            let mine = face.styles.iter().find(|s| s.style == style).map(|s| &s.levels[..]);
+            let mine =
+                face.styles.iter().find(|s| s.style == u16::from(style)).map(|s| &s.levels[..]);
             let slot = record.styles.iter().position(|s| *s == style);
             let count = match (mine, face.styles.first()) {
                 (Some(levels), _) => levels.len(),

@@ -10,7 +10,7 @@ const NAME_SIZE: usize = 24;
 const ENTRY_SIZE: usize = NAME_SIZE + 8;
 
 /// Lumps that hold or describe lighting, which a new lighting makes stale.
-pub const LIGHTING_LUMPS: [&str; 8] = [
+pub const LIGHTING_LUMPS: [&str; 10] = [
     "RGBLIGHTING",
     "LIGHTING_E5BGR9",
     "LIGHTINGDIR",
@@ -19,6 +19,8 @@ pub const LIGHTING_LUMPS: [&str; 8] = [
     "LMSTYLE16",
     "LMOFFSET",
     "DECOUPLED_LM",
+    "LIGHTGRID_OCTREE",
+    "LIGHTGRIDS",
 ];
 
 /// One BSPX lump.

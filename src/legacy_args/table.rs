@@ -62,7 +62,6 @@ const SUPERSAMPLING: &str = "supersampling is not built yet";
 const DEBUG: &str = "this debug picture is not built yet";
 const LOG_FILE: &str = "qrad writes no log file";
 const GAME: &str = "qrad needs no game folder; --wad names texture files";
-const NO_GRID: &str = "the light grid is not built yet";
 
 /// Every option, in the order of the contract.
 pub const OPTIONS: &[LegacyOption] = &[
@@ -156,13 +155,10 @@ pub const OPTIONS: &[LegacyOption] = &[
         Number,
         Own("world-units-per-luxel", "decoupled lightmaps are not built yet"),
     ),
-    row(&["lightgrid"], Switch, Own("lightgrid", NO_GRID)),
-    row(&["lightgrid_dist"], Vector, Own("lightgrid-dist", NO_GRID)),
-    row(
-        &["lightgrid_format"],
-        Word(&["octree", "lightgrids"]),
-        Own("lightgrid-format", "light grids have one format here"),
-    ),
+    row(&["lightgrid"], Switch, Key),
+    row(&["lightgrid_dist"], Vector, Key),
+    row(&["lightgrid_format"], Word(&["octree", "lightgrids"]), Key),
+    row(&["lightgrid_force"], Switch, Key),
     row(&["wrnormals"], Switch, Own("wrnormals", "")),
     row(&["exportobj"], Switch, Own("exportobj", ".obj files are not built yet")),
     row(

@@ -19,7 +19,7 @@ pub use directions::{Directions, StyleDirections, strength};
 pub use dirt::FaceDirt;
 pub use minlight::Probe;
 pub(crate) use minlight::wants_probe;
-pub(crate) use probe::{place as probe_place, probe};
+pub(crate) use probe::{SIDES, place as probe_place, probe, probe_sides};
 
 use crate::photometry::Irradiance;
 use crate::scene::exact::{brightness, distance, dot, length};

@@ -19,7 +19,7 @@ const GAP: u32 = 1;
 /// When the folder or a file cannot be written.
 pub fn dump(folder: &Path, faces: &[FinishedFace], sizes: &[[u32; 2]]) -> Result<Vec<PathBuf>> {
     std::fs::create_dir_all(folder).map_err(Error::io("make folder", folder))?;
-    let mut styles: BTreeMap<u8, Vec<(usize, &FinishedStyle)>> = BTreeMap::new();
+    let mut styles: BTreeMap<u16, Vec<(usize, &FinishedStyle)>> = BTreeMap::new();
     for (face, finished) in faces.iter().enumerate() {
         for map in &finished.styles {
             styles.entry(map.style).or_default().push((face, map));

@@ -26,11 +26,13 @@ pub struct StyleChoice {
     pub most: usize,
     /// Keeps maps that are too dim for bytes (all but black ones).
     pub dim: bool,
+    /// Keeps maps of styles above [`LAST_BYTE_STYLE`], which only `LMSTYLE16` can name.
+    pub wide: bool,
 }
 
 impl Default for StyleChoice {
     fn default() -> Self {
-        Self { most: 4, dim: false }
+        Self { most: 4, dim: false, wide: false }
     }
 }
 
@@ -46,11 +48,14 @@ impl Default for FinishSettings {
     }
 }
 
+/// The last light style that a byte names: 255 stands for none.
+pub const LAST_BYTE_STYLE: u16 = 254;
+
 /// One stored lightmap.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FinishedStyle {
-    /// Light style.
-    pub style: u8,
+    /// Light style, below 65535.
+    pub style: u16,
     /// RGB level of each luxel, row by row.
     pub levels: Vec<[u8; 3]>,
     /// The light of each luxel in levels, before it is limited to 255 and truncated.
@@ -62,13 +67,14 @@ pub struct FinishedStyle {
 
 impl FinishedStyle {
     /// A map of a style from its light in levels.
-    pub fn new(style: u8, light: Vec<Vec3>) -> Self {
+    pub fn new(style: u16, light: Vec<Vec3>) -> Self {
         let levels = light.iter().copied().map(level).collect();
         Self { style, levels, light, directions: Vec::new() }
     }
 }
 
-/// The lightmaps of a face, brightest on average first.
+/// The lightmaps of a face, brightest on average first; those of styles above [`LAST_BYTE_STYLE`] after
+/// the others, so that readers of bytes find theirs in the first places.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct FinishedFace {
     /// What is stored.
@@ -99,16 +105,17 @@ pub fn finish(
 ) -> FinishedFace {
     let mut face = FinishedFace::default();
     // (average brightness, style, light)
-    let mut kept: Vec<(f32, u8, Vec<Vec3>)> = Vec::new();
+    let mut kept: Vec<(f32, u16, Vec<Vec3>)> = Vec::new();
+    let last_style = if settings.choice.wide { u16::MAX - 1 } else { LAST_BYTE_STYLE };
     for map in maps {
         let mut light: Vec<Vec3> = map.irradiance.iter().map(|&e| scale(e, settings)).collect();
         face.coloured |=
             light.iter().any(|c| (c.y - c.x).abs() > 0.001 || (c.z - c.x).abs() > 0.001);
         let brightest = light.iter().map(|c| brightness(*c)).fold(0.0, f32::max);
-        let Ok(style @ 0..=254) = u8::try_from(map.style) else {
+        if map.style > last_style {
             face.dropped += 1;
             continue;
-        };
+        }
         let enough = if settings.choice.dim { brightest > 0.0 } else { brightest >= 1.0 };
         if !enough {
             continue;
@@ -116,15 +123,17 @@ pub fn finish(
         let average = light.iter().map(|c| brightness(*c)).sum::<f32>() / light.len() as f32;
         flood_fill(&mut light, occluded, width);
         let light = reduce(soften(light, width, smoothing.soft), width, smoothing.extra);
-        kept.push((average, style, light));
+        kept.push((average, map.style, light));
     }
     // Stable on the reversed list: of equals, the one made later goes first.
     kept.reverse();
     kept.sort_by(|a, b| b.0.total_cmp(&a.0));
     let most = settings.choice.most;
     face.dropped += kept.len().saturating_sub(most) as u32;
-    let kept = kept.into_iter().take(most);
-    face.styles = kept.map(|(_, style, light)| FinishedStyle::new(style, light)).collect();
+    kept.truncate(most);
+    kept.sort_by_key(|map| map.1 > LAST_BYTE_STYLE);
+    face.styles =
+        kept.into_iter().map(|(_, style, light)| FinishedStyle::new(style, light)).collect();
     face
 }
 
@@ -284,18 +293,18 @@ mod tests {
     fn dim_styles_go_and_the_brightest_four_stay_in_order() {
         let maps = (0..7).map(|i| map(i, &[f32::from(i) * 1.9])).collect();
         let face = plain(maps);
-        let styles: Vec<u8> = face.styles.iter().map(|s| s.style).collect();
+        let styles: Vec<u16> = face.styles.iter().map(|s| s.style).collect();
         assert_eq!(styles, [6, 5, 4, 3]);
         assert_eq!(face.dropped, 1, "style 2 has no place, 0 and 1 are too dim to count");
     }
 
     #[test]
     fn dim_styles_stay_when_asked_for_and_light_is_not_limited() {
-        let choice = StyleChoice { most: 6, dim: true };
+        let choice = StyleChoice { most: 6, dim: true, wide: false };
         let settings = FinishSettings { choice, ..FinishSettings::default() };
         let maps = (0..8).map(|i| map(i, &[f32::from(i) * 0.25, 1000.0 * f32::from(i)])).collect();
         let face = finish(maps, &[false; 2], 2, settings, PLAIN);
-        let styles: Vec<u8> = face.styles.iter().map(|s| s.style).collect();
+        let styles: Vec<u16> = face.styles.iter().map(|s| s.style).collect();
         assert_eq!(styles, [7, 6, 5, 4, 3, 2]);
         assert_eq!(face.dropped, 1, "style 1 has no place, 0 is black");
         assert_eq!(face.styles[0].light, [Vec3::splat(0.875), Vec3::splat(3500.0)]);
@@ -312,6 +321,18 @@ mod tests {
     fn styles_that_do_not_fit_a_byte_are_dropped() {
         assert!(plain(vec![map(255, &[10.0])]).styles.is_empty());
         assert!(plain(vec![map(300, &[10.0])]).styles.is_empty());
+    }
+
+    #[test]
+    fn wide_styles_stay_when_asked_for_after_the_others() {
+        let choice = StyleChoice { most: 4, dim: false, wide: true };
+        let settings = FinishSettings { choice, ..FinishSettings::default() };
+        let maps = [(255, 50.0), (9, 20.0), (65534, 90.0), (65535, 99.0), (3, 10.0), (7, 30.0)]
+            .map(|(style, light)| map(style, &[light]));
+        let face = finish(maps.to_vec(), &[false], 1, settings, PLAIN);
+        let styles: Vec<u16> = face.styles.iter().map(|s| s.style).collect();
+        assert_eq!(styles, [7, 9, 65534, 255], "the four brightest that can be named");
+        assert_eq!(face.dropped, 2);
     }
 
     #[test]

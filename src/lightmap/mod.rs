@@ -6,6 +6,7 @@ mod faces;
 mod finish;
 mod indirect;
 mod interpolate;
+mod light_grid;
 mod pack;
 mod probes;
 mod vanilla;
@@ -13,8 +14,11 @@ mod vanilla;
 pub use atlas::dump;
 pub use directions::add_bounced_directions;
 pub use faces::finish_faces;
-pub use finish::{FinishSettings, FinishedFace, FinishedStyle, Smoothing, StyleChoice, finish};
+pub use finish::{
+    FinishSettings, FinishedFace, FinishedStyle, LAST_BYTE_STYLE, Smoothing, StyleChoice, finish,
+};
 pub use indirect::{Gather, Sources, indirect};
+pub use light_grid::{GridSources, light_grid};
 pub use pack::{Block, Packed, Vanilla, hdr_colour, pack};
 pub use probes::probes;
 pub use vanilla::vanilla_copies;

@@ -7,6 +7,8 @@ use glam::Vec3;
 
 /// Levels that HDR lightmaps call 1.
 const HDR_UNIT: f32 = 128.0;
+/// What a face record has in place of a style that it lacks.
+const NO_STYLE: u8 = 255;
 /// Styles that a face record holds.
 const RECORD_STYLES: usize = 4;
 
@@ -22,7 +24,8 @@ pub struct Packed {
     /// Three bytes a luxel, where light comes from (see [`crate::bsp::pack_direction`]), at three times
     /// the offset; none unless wanted.
     pub directions: Vec<u8>,
-    /// For each face record: offset into `mono`, -1 for none, and its styles, 255 for none.
+    /// For each face record: offset into `mono`, -1 for none, and its styles, 255 for none and for those
+    /// that a byte cannot name.
     pub faces: Vec<(i32, [u8; 4])>,
     /// For each face: all its lightmaps, at the luxel size they were made with.
     pub blocks: Vec<Block>,
@@ -36,7 +39,7 @@ pub struct Block {
     /// Offset into [`Packed::mono`]; -1 for none.
     pub offset: i32,
     /// Styles in the order of the maps.
-    pub styles: Vec<u8>,
+    pub styles: Vec<u16>,
 }
 
 /// What the record of a face tells of its lightmaps: engines that read no lump about other luxel sizes
@@ -66,9 +69,9 @@ pub fn pack(faces: &[FinishedFace], vanilla: &[Vanilla]) -> Result<Packed> {
             Vanilla::Copy(maps) => packed.push(&maps[..maps.len().min(RECORD_STYLES)])?,
             Vanilla::Absent => -1,
         };
-        let mut styles = [255; RECORD_STYLES];
+        let mut styles = [NO_STYLE; RECORD_STYLES];
         for (slot, map) in styles.iter_mut().zip(&face.styles) {
-            *slot = map.style;
+            *slot = u8::try_from(map.style).unwrap_or(NO_STYLE);
         }
         packed.faces.push((record, styles));
         let styles = face.styles.iter().map(|map| map.style).collect();
@@ -117,11 +120,11 @@ pub fn hdr_colour(light: Vec3) -> u32 {
 mod tests {
     use super::*;
 
-    fn maps(style: u8, light: &[[f32; 3]]) -> Vec<FinishedStyle> {
+    fn maps(style: u16, light: &[[f32; 3]]) -> Vec<FinishedStyle> {
         vec![FinishedStyle::new(style, light.iter().copied().map(Vec3::from).collect())]
     }
 
-    fn lit(style: u8, light: &[[f32; 3]]) -> FinishedFace {
+    fn lit(style: u16, light: &[[f32; 3]]) -> FinishedFace {
         FinishedFace { styles: maps(style, light), ..FinishedFace::default() }
     }
 

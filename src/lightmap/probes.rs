@@ -41,7 +41,9 @@ pub fn probes(
     (0..wanted.len())
         .into_par_iter()
         .map(|model| {
-            let place = wanted[model].then(|| light::probe_place(scene, model)).flatten()?;
+            let place = wanted[model]
+                .then(|| light::probe_place(scene, scene.models[model].centre))
+                .flatten()?;
             let mut styles = light::probe(scene, place);
             if !light.is_empty() {
                 let mut gatherer = Gatherer::new(&scene.tracer, &patches.set, &delta, size);
@@ -60,14 +62,14 @@ pub fn probes(
 fn bounced(
     gatherer: &mut Gatherer<'_>,
     place: Vec3,
-    light: &[PatchLight],
+    patch_light: &[PatchLight],
     styles: &mut Vec<(u16, Irradiance)>,
 ) {
     let exitance: Vec<Vec<Vec3>> =
-        light.iter().map(|l| l.exitance.iter().map(|m| m.0).collect()).collect();
-    let mut best = vec![DVec3::ZERO; light.len()];
+        patch_light.iter().map(|l| l.exitance.iter().map(|m| m.0).collect()).collect();
+    let mut best = vec![DVec3::ZERO; patch_light.len()];
     let mut sums: Vec<DVec3> = Vec::new();
-    for side in [Vec3::X, -Vec3::X, Vec3::Y, -Vec3::Y, Vec3::Z, -Vec3::Z] {
+    for side in light::SIDES {
         gatherer.look(&View::turned(place, side, 0));
         gatherer.irradiance(&exitance, &mut sums);
         for (best, sum) in best.iter_mut().zip(&sums) {
@@ -76,7 +78,7 @@ fn bounced(
             }
         }
     }
-    for (light, best) in light.iter().zip(best).filter(|(_, b)| *b != DVec3::ZERO) {
+    for (light, best) in patch_light.iter().zip(best).filter(|(_, b)| *b != DVec3::ZERO) {
         match styles.iter_mut().find(|s| s.0 == light.style) {
             Some(sum) => sum.1 += Irradiance(best.as_vec3()),
             None => styles.push((light.style, Irradiance(best.as_vec3()))),

@@ -19,6 +19,12 @@ pub fn upright_corner(a: f64, b: f64) -> f64 {
     -(a / r).atan() / (2.0 * PI * r)
 }
 
+/// Share of the whole sphere of directions that the rectangle `[0, x] x [0, y]` at distance 1 fills: its
+/// solid angle over 4 pi. Odd in `x` and in `y`.
+pub fn sphere_corner(x: f64, y: f64) -> f64 {
+    (x * y / (1.0 + x * x + y * y).sqrt()).atan() / (4.0 * PI)
+}
+
 /// Sum of a corner function over the four corners of a rectangle, with the signs of a definite
 /// double integral.
 pub fn rectangle(corner: impl Fn(f64, f64) -> f64, x: [f64; 2], y: [f64; 2]) -> f64 {
@@ -49,6 +55,14 @@ mod tests {
         let (a, b) = ([-0.7, 0.2], [0.25, 1.0]);
         let exact = rectangle(upright_corner, a, b);
         let numeric = integrate(|a, b| b / (PI * (1.0 + a * a + b * b).powi(2)), a, b, 400);
+        assert!((exact - numeric).abs() < 1e-6, "{exact} {numeric}");
+    }
+
+    #[test]
+    fn solid_angle_matches_numeric_integration() {
+        let (x, y) = ([-0.3, 0.8], [0.1, 0.9]);
+        let exact = rectangle(sphere_corner, x, y);
+        let numeric = integrate(|x, y| (1.0 + x * x + y * y).powf(-1.5) / (4.0 * PI), x, y, 400);
         assert!((exact - numeric).abs() < 1e-6, "{exact} {numeric}");
     }
 

@@ -3,6 +3,7 @@
 use super::Scene;
 use super::entity_lights;
 use super::filter::Filters;
+use super::light_grid::LightGrid;
 use super::lights::Attenuation;
 use super::luxel_grid;
 use super::luxel_size::{LuxelSettings, LuxelSize, LuxelSizes};
@@ -137,6 +138,8 @@ impl Scene {
             lights.into_iter().partition(|l| l.attenuation == Attenuation::LocalMinimum);
         let suns = suns::make(&worldspawn, &world, &sky, &mut random)?;
 
+        let light_grid = LightGrid::read(&worldspawn, &entities, &surfaces, &mut warnings)?;
+
         let (tracer, tracer_surface) = build_tracer(&surfaces);
         let is_sky = |&s: &u32| surfaces[s as usize].role == Role::Sky;
         let sky = Sky::new(tracer.polygons(), tracer_surface.iter().map(is_sky).collect());
@@ -151,6 +154,7 @@ impl Scene {
             suns,
             emitters,
             decoupled: wanted.world_units.is_some(),
+            light_grid,
             world,
             tracer,
             sky,

@@ -9,6 +9,7 @@ mod filter;
 mod first_hit;
 mod hull;
 mod keys;
+mod light_grid;
 mod light_rays;
 pub mod lights;
 mod luxel_grid;
@@ -45,6 +46,7 @@ mod world;
 pub use build::SceneSettings;
 pub use dirt::{DirtKeys, DirtSettings};
 pub use filter::Filters;
+pub use light_grid::{GridFormat, LightGrid};
 pub use light_rays::{Arrival, LightRays};
 pub use lights::Light;
 pub use luxel_size::{LuxelSettings, LuxelSize};
@@ -84,6 +86,8 @@ pub struct Scene {
     pub emitters: Vec<Emitter>,
     /// Luxels follow the faces and not their textures.
     pub decoupled: bool,
+    /// The points of the light grid, if one is asked for.
+    pub light_grid: Option<LightGrid>,
     /// What worldspawn sets for the whole map.
     pub world: WorldSettings,
     /// The surfaces that block all light.

@@ -55,7 +55,7 @@ impl LitMap {
     }
 
     /// Stored level of a style at the luxel nearest to a point; black if the face lacks the style.
-    pub fn level(&self, style: u8, point: [f32; 3], normal: Vec3) -> [u8; 3] {
+    pub fn level(&self, style: u16, point: [f32; 3], normal: Vec3) -> [u8; 3] {
         let face = self.face(point, normal);
         let grid = self.scene.surfaces[face].luxels.as_ref().expect("a lightmapped face");
         let l = grid.luxel_of(point.into()).round();
@@ -64,7 +64,7 @@ impl LitMap {
     }
 
     /// All stored levels of a style of a face.
-    pub fn levels(&self, face: usize, style: u8) -> Option<&[[u8; 3]]> {
+    pub fn levels(&self, face: usize, style: u16) -> Option<&[[u8; 3]]> {
         self.faces[face].styles.iter().find(|s| s.style == style).map(|s| &s.levels[..])
     }
 }

@@ -8,7 +8,7 @@ mod side;
 
 pub use item_buffer::{Cells, ItemBuffer};
 
-use super::form_factor::{parallel_corner, rectangle, upright_corner};
+use super::form_factor::{parallel_corner, rectangle, sphere_corner, upright_corner};
 use crate::{Error, Result};
 use glam::{Vec2, Vec3};
 
@@ -141,7 +141,19 @@ struct Table {
 impl DeltaFormFactors {
     /// The tables of a hemicube of this size.
     pub fn new(size: HemicubeSize) -> Self {
-        Self { top: Table::new(size, SideId::Top), side: Table::new(size, SideId::Right) }
+        Self {
+            top: Table::new(size, SideId::Top, parallel_corner),
+            side: Table::new(size, SideId::Right, upright_corner),
+        }
+    }
+
+    /// Shares of the whole sphere instead, for points that face no direction: those of a hemicube sum to
+    /// one half. The mean of exitance weighted so is the mean irradiance on planes of all directions.
+    pub fn of_sphere(size: HemicubeSize) -> Self {
+        Self {
+            top: Table::new(size, SideId::Top, sphere_corner),
+            side: Table::new(size, SideId::Right, sphere_corner),
+        }
     }
 
     /// Form factors of one side, row by row.
@@ -161,7 +173,8 @@ impl DeltaFormFactors {
 }
 
 impl Table {
-    fn new(size: HemicubeSize, side: SideId) -> Self {
+    /// The integrals whose antiderivative is `corner`.
+    fn new(size: HemicubeSize, side: SideId, corner: fn(f64, f64) -> f64) -> Self {
         let (w, h) = (size.width, size.height);
         let edge = |i: u32, n: u32| 2.0 * f64::from(i) / f64::from(n);
         let (mut factor, mut over_length) = (Vec::new(), Vec::new());
@@ -169,11 +182,8 @@ impl Table {
             for x in 0..w {
                 let a = [edge(x, w) - 1.0, edge(x + 1, w) - 1.0];
                 let b = [edge(y, h), edge(y + 1, h)];
-                let f = if side == SideId::Top {
-                    rectangle(parallel_corner, a, b.map(|b| b - 1.0)) as f32
-                } else {
-                    rectangle(upright_corner, a, b) as f32
-                };
+                let b = if side == SideId::Top { b.map(|b| b - 1.0) } else { b };
+                let f = rectangle(corner, a, b) as f32;
                 let centre = size.cell_centre(side, x, y);
                 factor.push(f);
                 over_length.push(f / (1.0 + centre.length_squared()).sqrt());
@@ -191,15 +201,14 @@ mod tests {
     fn delta_form_factors_sum_to_one() {
         for (w, h) in [(2, 2), (2, 64), (64, 64), (130, 34), (512, 512)] {
             let delta = DeltaFormFactors::new(HemicubeSize::new(w, h).unwrap());
-            let sum: f64 = SIDES
-                .iter()
-                .flat_map(|&s| delta.of(s))
-                .map(|&f| {
-                    assert!(f > 0.0);
-                    f64::from(f)
-                })
-                .sum();
-            assert!((sum - 1.0).abs() < 1e-6, "{w}x{h}: {sum}");
+            let sum = |delta: &DeltaFormFactors| -> f64 {
+                let cells = SIDES.iter().flat_map(|&s| delta.of(s));
+                assert!(cells.clone().all(|&f| f > 0.0));
+                cells.map(|&f| f64::from(f)).sum()
+            };
+            assert!((sum(&delta) - 1.0).abs() < 1e-6, "{w}x{h}");
+            let sphere = DeltaFormFactors::of_sphere(HemicubeSize::new(w, h).unwrap());
+            assert!((sum(&sphere) - 0.5).abs() < 1e-6, "{w}x{h}");
         }
     }
 
