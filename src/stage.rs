@@ -1,7 +1,7 @@
 //! The stages of a map run: each calls one room, over all faces, and shows its progress.
 
 use crate::light::{self, DirectLight, Probe, StyleLight};
-use crate::lightmap::{self, FinishedFace};
+use crate::lightmap::{self, DebugSources, DebugView, FinishedFace};
 use crate::patch::MapPatches;
 use crate::progress::Progress;
 use crate::radiosity::bounce::{self, Bounced};
@@ -70,7 +70,7 @@ pub(crate) fn patches(
     progress: &Progress,
 ) -> MapPatches {
     let _stage = progress.stage("patches", samples.len());
-    if settings.bounces == Some(0) && scene.emitters.is_empty() {
+    if scene.world.bounce.most == Some(0) && scene.emitters.is_empty() {
         return MapPatches::default();
     }
     MapPatches::new(scene, samples, settings.patch_size)
@@ -99,18 +99,21 @@ pub(crate) fn bounce(
     if patches.set.patches.is_empty() {
         return Bounced::default();
     }
+    let rules = &scene.world.bounce;
     let arriving: Vec<Cow<'_, [StyleLight]>> = direct
         .iter()
         .zip(points.samples())
         .zip(&scene.surfaces)
         .map(|((direct, samples), surface)| {
             let width = surface.luxels.as_ref().map_or(1, |g| g.width);
-            light::bounce_source(direct, samples, width, settings.smoothing.extra)
+            let light = light::bounce_source(direct, samples, width, settings.smoothing.extra);
+            bounce::ruled(light, rules)
         })
         .collect();
-    let emission = patches.emission(&scene.emitters);
+    let mut emission = patches.emission(&scene.emitters);
+    bounce::rule_emission(&mut emission, rules);
     let stage = progress.stage("bounces", bounce::styles(&arriving, &emission).len());
-    let limits = Limits { passes: settings.bounces, residual: settings.residual };
+    let limits = Limits { passes: rules.most, residual: settings.residual };
     bounce::bounce(patches, transfers, &arriving, &emission, limits, |n| stage.advance(n))
 }
 
@@ -144,6 +147,15 @@ pub(crate) fn probes(
     settings: &Settings,
 ) -> Vec<Option<Probe>> {
     lightmap::probes(scene, patches, samples, &bounced.styles, settings.hemicube)
+}
+
+/// Lightmaps that show something else than light.
+pub(crate) fn debug(
+    view: DebugView,
+    sources: DebugSources<'_>,
+    settings: &Settings,
+) -> Vec<FinishedFace> {
+    lightmap::debug_faces(view, sources, (settings.smoothing, settings.outputs.style_choice()))
 }
 
 /// All light of every face put together, as lightmaps.

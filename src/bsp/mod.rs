@@ -31,5 +31,5 @@ pub use lit::{read_hdr_lit, read_lit, write_hdr_lit, write_lit};
 pub use miptex::MipTex;
 pub use palette::{PALETTE, TRANSPARENT, average_colour};
 pub use records::{Face, Format, Leaf, Model, Node, Plane, TexInfo};
-pub use switchable::{normalise, rewrite_entities};
+pub use switchable::{StyleRange, normalise, rewrite_entities};
 pub use wad::{find_texture, load_wad};

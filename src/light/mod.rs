@@ -14,7 +14,7 @@ mod sun;
 pub use bounce_source::bounce_source;
 pub use dirt::FaceDirt;
 pub use minlight::Probe;
-pub(crate) use minlight::wants_probe;
+pub(crate) use minlight::{mottle, wants_probe};
 pub(crate) use probe::{place as probe_place, probe};
 
 use crate::photometry::Irradiance;
@@ -36,10 +36,11 @@ pub struct StyleLight {
 pub struct DirectLight {
     /// Light by style, in the order in which the styles first lit the surface; never all zero.
     pub styles: Vec<StyleLight>,
-    /// What negative lights take away, as negative irradiance. It is to be added last, after
-    /// bounced and minimum light, and the sum then limited to 0 and up.
+    /// What negative lights take away, as negative irradiance. It bounces like other light, and is to
+    /// be added last, after bounced and minimum light, and the sum then limited to 0 and up.
     pub negative: Vec<StyleLight>,
-    /// Part of `styles` that does not bounce: see [`bounce_source`].
+    /// Part of `styles` and `negative` that does not bounce, below zero where more bounces than
+    /// arrives: see [`bounce_source`].
     pub excess: Vec<StyleLight>,
     /// Minimum light of local lights, which does not bounce. It is to be joined with the
     /// other direct light before bounced light is added.
@@ -71,11 +72,13 @@ pub fn direct(scene: &Scene, surface: usize, samples: &[Sample]) -> DirectLight 
     }
     for sun in &scene.suns {
         let styles = if sun.brightness > 0.0 { &mut result.styles } else { &mut result.negative };
-        sun::light_surface(scene, sun, surface, points, &mut rays, styles);
+        let both = (styles, &mut result.excess);
+        sun::light_surface(scene, sun, surface, points, &mut rays, both);
     }
     for light in &scene.radiosity_lights {
         let receiver = (surface, &sphere);
-        radiosity::light_surface(scene, light, receiver, points, &mut rays, &mut result.styles);
+        let both = (&mut result.styles, &mut result.excess);
+        radiosity::light_surface(scene, light, receiver, points, &mut rays, both);
     }
     result.local_minimum = minlight::local(scene, surface, points, &result.styles, &mut rays);
     result.rays = rays.rays();
@@ -93,6 +96,9 @@ pub(crate) fn post(
     probe: Option<&Probe>,
     maps: &mut Vec<StyleLight>,
 ) -> bool {
+    if scene.world.no_lighting {
+        return false;
+    }
     minlight::global(scene, surface, (samples, &direct.dirt), maps);
     let free = minlight::automatic(surface, samples, probe, maps);
     for negative in &direct.negative {
@@ -185,9 +191,9 @@ fn light_surface(
         if let Some(arrival) = arrival {
             let style = arrival.style_of(light.style);
             add(styles, style, samples.len(), i, arrival.colour);
-            let share = attenuation::excess(light, dist, away);
-            if share > 0.0 {
-                add(excess, style, samples.len(), i, arrival.colour * share);
+            let share = (1.0 - attenuation::excess(light, dist, away)) * light.bounce_scale;
+            if share != 1.0 {
+                add(excess, style, samples.len(), i, arrival.colour * (1.0 - share));
             }
         }
     }

@@ -37,7 +37,7 @@ pub(crate) fn light_surface(
     surface: &Surface,
     (samples, dirt): (&[Sample], &FaceDirt),
     rays: &mut LightRays<'_>,
-    styles: &mut Vec<StyleLight>,
+    (styles, excess): (&mut Vec<StyleLight>, &mut Vec<StyleLight>),
 ) {
     let behind = dot(sun.to_sun, surface.normal) < BEHIND;
     if behind && !surface.curved && !surface.two_sided || surface.channel_mask & 1 == 0 {
@@ -50,7 +50,12 @@ pub(crate) fn light_surface(
             continue;
         }
         if let Some(arrival) = seen(scene, sun, sample.position, colour, rays) {
-            add(styles, arrival.style_of(sun.style), samples.len(), i, arrival.colour);
+            let style = arrival.style_of(sun.style);
+            add(styles, style, samples.len(), i, arrival.colour);
+            if sun.bounce_scale != 1.0 {
+                let unsent = arrival.colour * (1.0 - sun.bounce_scale);
+                add(excess, style, samples.len(), i, unsent);
+            }
         }
     }
 }

@@ -1,6 +1,7 @@
 //! From patches back to luxels: indirect light, the stored levels, packing and pictures of them.
 
 mod atlas;
+mod debug;
 mod faces;
 mod finish;
 mod indirect;
@@ -10,6 +11,7 @@ mod probes;
 mod vanilla;
 
 pub use atlas::dump;
+pub use debug::{DebugSources, DebugView, debug_faces};
 pub use faces::finish_faces;
 pub use finish::{FinishSettings, FinishedFace, FinishedStyle, Smoothing, StyleChoice, finish};
 pub use indirect::{Gather, Sources, indirect};

@@ -38,6 +38,8 @@ pub struct Emission {
     pub style: u16,
     /// One entry a patch.
     pub exitance: Vec<Exitance>,
+    /// What counts of it where its light bounces: `exitance` with the `bouncescale` of the lights.
+    pub bouncing: Vec<Exitance>,
 }
 
 /// One block while it is being summed up.
@@ -133,12 +135,13 @@ impl MapPatches {
         for e in emitters {
             let i = styles.iter().position(|s| s.style == e.style).unwrap_or_else(|| {
                 let exitance = vec![Exitance::ZERO; self.surface.len()];
-                styles.push(Emission { style: e.style, exitance });
+                styles.push(Emission { style: e.style, bouncing: exitance.clone(), exitance });
                 styles.len() - 1
             });
             let patches = self.first[e.surface as usize]..self.first[e.surface as usize + 1];
             for patch in patches {
                 styles[i].exitance[patch as usize] += e.exitance;
+                styles[i].bouncing[patch as usize] += e.exitance * e.bounce_scale;
             }
         }
         styles

@@ -1,9 +1,11 @@
 //! What light needs of a map: surfaces with materials, the ray tracer, the lights and the luxels.
 
+mod bounce_keys;
 mod build;
 mod dirt;
 mod entity_lights;
 pub(crate) mod exact;
+pub mod export;
 mod filter;
 mod first_hit;
 mod hull;
@@ -37,6 +39,8 @@ mod wander;
 mod winding;
 mod world;
 
+pub(crate) use bounce_keys::ALL_BOUNCES;
+pub use bounce_keys::BounceSettings;
 pub use build::SceneSettings;
 pub use dirt::{DirtKeys, DirtSettings};
 pub use filter::Filters;
@@ -55,7 +59,7 @@ pub use suns::Sun;
 pub use surface::{LuxelGrid, Role, Surface};
 pub use surface_lights::Emitter;
 pub use tracer::{Hit, Node, Polygon, Tracer};
-pub use world::WorldSettings;
+pub use world::{WorldSettings, style_range};
 
 /// A map made ready for light. Nothing in it changes while the map is lit, so faces can be lit in
 /// parallel from one shared scene.
@@ -92,4 +96,11 @@ pub struct Scene {
     neighbours: neighbours::Neighbours,
     smoothing: phong::Smoothing,
     luxel_maps: Vec<Option<shape::LuxelMap>>,
+}
+
+impl Scene {
+    /// Smoothed unit normals at the corners of a surface; empty where it is flat.
+    pub fn corner_normals(&self, surface: usize) -> &[glam::Vec3] {
+        self.smoothing.corner_normals(surface)
+    }
 }
