@@ -6,8 +6,8 @@ use glam::Vec3;
 use proptest::prelude::*;
 use qbsp::{BspData, BspParseInput, BspParseSettings};
 use qrad::bsp::{
-    Bsp, Format, average_colour, find_texture, load_wad, parse_entities, read_lit,
-    StyleRange, rewrite_entities, write_entities,
+    Bsp, Format, StyleRange, average_colour, find_texture, load_wad, parse_entities, read_lit,
+    rewrite_entities, write_entities,
 };
 use support::map_builder::MapBuilder;
 

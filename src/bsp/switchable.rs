@@ -25,10 +25,7 @@ impl Default for StyleRange {
 ///
 /// # Errors
 /// As [`parse_entities`] and [`normalise`].
-pub fn rewrite_entities(
-    lump: &[u8],
-    styles: StyleRange,
-) -> Result<(Vec<Entity>, Option<Vec<u8>>)> {
+pub fn rewrite_entities(lump: &[u8], styles: StyleRange) -> Result<(Vec<Entity>, Option<Vec<u8>>)> {
     let mut entities = parse_entities(lump)?;
     let changed = normalise(&mut entities, styles)?;
     let text = changed.then(|| write_entities(&entities));

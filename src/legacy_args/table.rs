@@ -61,7 +61,8 @@ const fn row(names: &'static [&'static str], values: Values, effect: Effect) -> 
 }
 
 const SUPERSAMPLING: &str = "supersampling is not built yet";
-const NO_DUMP: &str = "single faces are not printed; --dump-lightmaps shows every face by its number";
+const NO_DUMP: &str =
+    "single faces are not printed; --dump-lightmaps shows every face by its number";
 const LOG_FILE: &str = "qrad writes no log file";
 const GAME: &str = "qrad needs no game folder; --wad and --path name textures";
 const NO_GRID: &str = "the light grid is not built yet";
@@ -179,7 +180,9 @@ pub const OPTIONS: &[LegacyOption] = &[
     row(
         &["debugneighbours"],
         Switch,
-        Ignored("luxels that lie on other faces are not marked; -debugoccluded marks those in solid"),
+        Ignored(
+            "luxels that lie on other faces are not marked; -debugoccluded marks those in solid",
+        ),
     ),
     row(&["debugmottle"], Switch, View("mottle")),
     row(&["debug_lightgrid_octree"], Switch, Own("debug-lightgrid-octree", NO_GRID)),

@@ -79,10 +79,7 @@ pub fn bounce(
 }
 
 /// Direct light as the keys of worldspawn let it bounce: `bouncescale` and `bouncestyled`.
-pub fn ruled<'a>(
-    light: Cow<'a, [StyleLight]>,
-    rules: &BounceSettings,
-) -> Cow<'a, [StyleLight]> {
+pub fn ruled<'a>(light: Cow<'a, [StyleLight]>, rules: &BounceSettings) -> Cow<'a, [StyleLight]> {
     let kept = |style: u16| style == 0 || rules.styled;
     if rules.scale == 1.0 && light.iter().all(|l| kept(l.style)) {
         return light;
