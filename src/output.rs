@@ -56,11 +56,11 @@ pub fn check_writable(path: &Path) -> Result<()> {
 /// When something else has its place, or no file can be written in it or in the folder that it is to be
 /// made in.
 pub fn check_folder(path: &Path) -> Result<()> {
-    if path.exists() && !path.is_dir() {
-        return Err(Error::io("make folder", path)(io::ErrorKind::AlreadyExists.into()));
+    // The nearest part of the path that is there; an empty path stands for the current folder.
+    let there = path.ancestors().find(|p| p.exists()).unwrap_or(Path::new("."));
+    if !there.is_dir() {
+        return Err(Error::io("make folder", path)(io::ErrorKind::NotADirectory.into()));
     }
-    // The nearest folder that is there; an empty path stands for the current one.
-    let there = path.ancestors().find(|p| p.is_dir()).unwrap_or(Path::new("."));
     write_beside(&there.join("qrad"), &[]).map(drop)
 }
 
