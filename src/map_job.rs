@@ -1,8 +1,9 @@
 //! One run on a map: files in, files out.
 
 use anyhow::Context;
+use clap::{CommandFactory, Parser};
 use glam::Vec3;
-use qrad::bsp::{Bsp, MipTex, load_wad, parse_entities};
+use qrad::bsp::{Bsp, Entity, MipTex, load_wad, parse_entities};
 use qrad::cli::Cli;
 use qrad::outputs::Scope;
 use qrad::progress::Progress;
@@ -10,15 +11,20 @@ use qrad::render::{Camera, LitMap, start_camera};
 use qrad::report::Report;
 use qrad::scene::{Scene, Sidecar, export};
 use qrad::settings::Settings;
-use qrad::{MapLight, light_bsp, lightmap, output};
+use qrad::{MapLight, legacy_args, light_bsp, lightmap, output};
+use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-/// Lights the map in `path` and writes what the command line asks for.
-pub fn run(cli: &Cli, path: &Path, visible: bool) -> anyhow::Result<()> {
+/// Lights the map in `path` and writes what the command line `args`, parsed as `cli`, asks for.
+pub fn run((cli, args): (&Cli, &[OsString]), path: &Path, visible: bool) -> anyhow::Result<()> {
     let start = Instant::now();
-    let settings = cli.settings()?;
+    cli.settings()?;
     let mut bsp = Bsp::read(&read(path)?).with_context(|| path.display().to_string())?;
+    let entities = parse_entities(&bsp.entities).with_context(|| path.display().to_string())?;
+    let with_map = entities.first().and_then(|world| with_options_of_map(world, args));
+    let cli = with_map.as_ref().unwrap_or(cli);
+    let settings = cli.settings()?;
     let target = cli.output.as_deref().unwrap_or(path);
     if settings.outputs.scope == Scope::EntitiesOnly {
         bsp.rewrite_entities(settings.styles(&bsp)?).with_context(|| path.display().to_string())?;
@@ -96,6 +102,24 @@ pub fn run(cli: &Cli, path: &Path, visible: bool) -> anyhow::Result<()> {
         print!("{report}");
     }
     Ok(())
+}
+
+/// The command line with what worldspawn asks for before it, so that the command line wins; `None` if the
+/// map asks for nothing, or for what does not go with the command line.
+fn with_options_of_map(world: &Entity, args: &[OsString]) -> Option<Cli> {
+    let own = legacy_args::of_worldspawn(world, &Cli::command());
+    let (name, rest) = args.split_first()?;
+    let all = std::iter::once(name).chain(&own).chain(rest);
+    match Cli::try_parse_from(all) {
+        _ if own.is_empty() => None,
+        Ok(cli) => Some(cli),
+        Err(_) => {
+            log::warn!(
+                "options in worldspawn do not go with those given, and are ignored: {own:?}"
+            );
+            None
+        }
+    }
 }
 
 fn read(path: &Path) -> anyhow::Result<Vec<u8>> {

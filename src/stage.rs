@@ -84,7 +84,7 @@ pub(crate) fn transfers(
     progress: &Progress,
 ) -> Transfers {
     let stage = progress.stage("form factors", patches.set.patches.len());
-    Transfers::compute(&scene.tracer, &patches.set, settings.hemicube, |n| stage.advance(n))
+    Transfers::compute(scene.bounce_tracer(), &patches.set, settings.hemicube, |n| stage.advance(n))
 }
 
 /// Final light of the patches in every style.

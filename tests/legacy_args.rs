@@ -430,3 +430,25 @@ fn the_table_of_the_documentation_is_up_to_date() {
     }
     assert_eq!(&text[start..end], table);
 }
+
+#[test]
+fn options_may_stand_in_worldspawn_and_the_command_line_wins() {
+    let (folder, map) = map();
+    let mut bsp = qrad::bsp::Bsp::read(&std::fs::read(&map).unwrap()).unwrap();
+    let text = String::from_utf8(bsp.entities.clone()).unwrap();
+    bsp.entities =
+        text.replacen('}', "\"_extra4\" \"1\"\n\"_facestyles\" \"2\"\n}", 1).into_bytes();
+    let keyed = folder.path().join("keyed.bsp");
+    std::fs::write(&keyed, bsp.write().unwrap()).unwrap();
+    let lighting = |map: &Path, line: &str| {
+        let (bytes, said) = light(map, line);
+        (qrad::bsp::Bsp::read(&bytes).unwrap().lighting, said)
+    };
+    let plain = lighting(&map, "-bounce 0").0;
+    let (fine, said) = lighting(&keyed, "-bounce 0");
+    assert_eq!(fine, lighting(&map, "-bounce 0 -extra4").0);
+    assert!(fine != plain && said.is_empty(), "{said}");
+    let (other, said) = lighting(&keyed, "-bounce 0 -extra");
+    assert_eq!(other, lighting(&map, "-bounce 0 -extra").0);
+    assert!(said.contains("extra4"), "{said}");
+}

@@ -5,8 +5,10 @@
 //! both. A later option wins over an earlier one.
 
 mod table;
+mod worldspawn;
 
 pub use table::{Effect, LegacyOption, OPTIONS, Values};
+pub use worldspawn::of_worldspawn;
 
 use crate::scene::ALL_BOUNCES;
 use crate::{Error, Result};

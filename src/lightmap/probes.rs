@@ -44,7 +44,7 @@ pub fn probes(
             let place = wanted[model].then(|| light::probe_place(scene, model)).flatten()?;
             let mut styles = light::probe(scene, place);
             if !light.is_empty() {
-                let mut gatherer = Gatherer::new(&scene.tracer, &patches.set, &delta, size);
+                let mut gatherer = Gatherer::new(scene.bounce_tracer(), &patches.set, &delta, size);
                 bounced(&mut gatherer, place, light, &mut styles);
             }
             let mut levels: Probe =

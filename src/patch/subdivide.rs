@@ -67,21 +67,21 @@ impl MapPatches {
             .map(|(surface, samples)| Some(cut(surface, surface.luxels.as_ref()?, samples, size)))
             .collect();
         let mut patches = Self::default();
-        let mut divisions = vec![PolygonPatches::None; scene.tracer_surface.len()];
         let mut grids = Vec::with_capacity(faces.len());
         for (index, face) in faces.into_iter().enumerate() {
             patches.first.push(patches.surface.len() as u32);
             grids.push(face.map(|face| patches.add_face(scene, samples, index, face)));
         }
         patches.first.push(patches.surface.len() as u32);
-        for (polygon, &surface) in scene.tracer_surface.iter().enumerate() {
-            if scene.surfaces[surface as usize].reflects
-                && let Some(grid) = grids[surface as usize].take()
-                && !grid.blocks.is_empty()
-            {
-                divisions[polygon] = PolygonPatches::Grid(grid);
+        let divide = |surface: Option<u32>| {
+            let surface = surface.filter(|&s| scene.surfaces[s as usize].reflects);
+            // Slats of a fence share its patches.
+            match surface.and_then(|s| grids[s as usize].as_ref()) {
+                Some(grid) if !grid.blocks.is_empty() => PolygonPatches::Grid(grid.clone()),
+                _ => PolygonPatches::None,
             }
-        }
+        };
+        let divisions = scene.bounce_surfaces().map(divide).collect();
         patches.set.lookup = PatchLookup::new(divisions);
         patches
     }

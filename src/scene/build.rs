@@ -10,6 +10,7 @@ use super::materials::Materials;
 use super::minlight::Minlight;
 use super::models::{self, Model, ShadowClass};
 use super::neighbours::Neighbours;
+use super::obstacles::{Casters, is_fence};
 use super::overrides;
 use super::phong::{Smoothing, Wish};
 use super::rad;
@@ -147,6 +148,14 @@ impl Scene {
         let suns = suns::make(&worldspawn, &world, &sky, &mut random)?;
 
         let (tracer, tracer_surface) = build_tracer(&surfaces);
+        let casters = Casters {
+            bsp,
+            surfaces: &surfaces,
+            names: &names,
+            models: &models,
+            textures: &settings.textures,
+        };
+        let obstacles = casters.obstacles(&tracer, &tracer_surface);
         let filters = Filters::new(bsp, &surfaces, &names, &models, settings, &mut warnings);
         Ok(Self {
             surfaces,
@@ -165,6 +174,7 @@ impl Scene {
             warnings,
             shapes,
             neighbours: Neighbours::new(bsp, &smoothing),
+            obstacles,
             smoothing,
             luxel_maps,
         })
@@ -310,8 +320,9 @@ impl<'a> FaceReader<'a> {
         }
         let texture = texinfo.and_then(|t| u32::try_from(t.miptex).ok());
         let no_bounce = keys.no_bounce || model.is_some_and(|m| m.no_bounce);
-        let reflects =
-            role == Role::Solid && luxels.is_some() && !no_bounce && !name.starts_with('*');
+        // Fences among the filters: slats stand for them, see `obstacles`.
+        let blocks = role == Role::Solid || is_fence(&name, (role, alpha, mask), model);
+        let reflects = blocks && luxels.is_some() && !no_bounce && !name.starts_with('*');
         let special = texinfo.is_none_or(|t| t.flags & TEX_SPECIAL != 0);
         let wish = Wish::new(keys, special);
         self.surfaces.push(Surface {

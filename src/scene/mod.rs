@@ -19,6 +19,7 @@ mod materials;
 mod minlight;
 mod models;
 mod neighbours;
+mod obstacles;
 mod overrides;
 mod phong;
 mod projection;
@@ -92,6 +93,7 @@ pub struct Scene {
     pub solid: Solid,
     /// What is odd about the map, one sentence each.
     pub warnings: Vec<String>,
+    obstacles: Option<obstacles::Obstacles>,
     shapes: Vec<shape::Shape>,
     neighbours: neighbours::Neighbours,
     smoothing: phong::Smoothing,
