@@ -106,7 +106,7 @@ fn mottling_is_grey_noise_from_0_to_48() {
     let values: Vec<f32> = all.iter().map(|c| c.x).collect();
     assert!(all.iter().all(|c| c.x == c.y && c.y == c.z));
     let (min, max) = values.iter().fold((f32::MAX, 0.0_f32), |(a, b), v| (a.min(*v), b.max(*v)));
-    assert!(min >= 0.0 && min < 12.0 && max > 36.0 && max <= 48.0, "{min} {max}");
+    assert!((0.0..12.0).contains(&min) && max > 36.0 && max <= 48.0, "{min} {max}");
 }
 
 #[test]

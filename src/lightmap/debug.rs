@@ -102,8 +102,8 @@ fn patches(sources: DebugSources<'_>, surface: usize, luxels: usize) -> Vec<Styl
         return Vec::new();
     };
     let mut owner: Vec<(f32, Option<usize>)> = vec![(0.0, None); luxels];
-    for patch in from as usize..to as usize {
-        for &(luxel, weight) in &parts[patch] {
+    for (patch, part) in parts.iter().enumerate().take(to as usize).skip(from as usize) {
+        for &(luxel, weight) in part {
             let slot = &mut owner[luxel as usize];
             if weight > slot.0 {
                 *slot = (weight, Some(patch));

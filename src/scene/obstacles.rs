@@ -109,21 +109,21 @@ fn slats(surface: &Surface, covered: f32) -> Vec<Polygon> {
         .iter()
         .map(|v| along(*v))
         .fold((f32::INFINITY, f32::NEG_INFINITY), |(a, b), s| (a.min(s), b.max(s)));
-    if covered >= 1.0 || !(last - first < SLAT_LIMIT) {
+    if covered >= 1.0 || last - first >= SLAT_LIMIT {
         return if covered > 0.5 { vec![polygon] } else { Vec::new() };
     }
     if covered <= 0.0 {
         return Vec::new();
     }
     let mut slats = Vec::new();
-    let mut middle = first.floor() + 0.5;
-    while middle < last + 0.5 {
+    // Counted, as coordinates may be so large that adding 1 leaves them as they are.
+    for column in 0..=(last - first).ceil() as usize {
+        let middle = first.floor() + column as f32 + 0.5;
         let low = half(&polygon.vertices, row, middle - covered * 0.5);
         let vertices = half(&low, -row, -(middle + covered * 0.5));
         if vertices.len() >= 3 {
             slats.push(Polygon { vertices, normal: polygon.normal });
         }
-        middle += 1.0;
     }
     slats
 }

@@ -6,7 +6,7 @@ use qrad::bsp::Format;
 use qrad::lightmap::DebugView;
 use qrad::outputs::{LitFile, Outputs};
 use qrad::progress::Progress;
-use qrad::scene::{Scene, Sidecar};
+use qrad::scene::{LuxelGrid, Scene, Sidecar};
 use qrad::settings::Settings;
 use qrad::{MapLight, light_bsp};
 
@@ -49,7 +49,7 @@ impl LitLight {
 
     /// Light of a style at the luxels of a surface, zeros where it has none.
     pub fn of(&self, surface: usize, style: u8) -> Vec<Vec3> {
-        let count = self.scene.surfaces[surface].luxels.as_ref().map_or(0, |g| g.len());
+        let count = self.scene.surfaces[surface].luxels.as_ref().map_or(0, LuxelGrid::len);
         let known = self.light[surface].iter().find(|(s, _)| *s == style);
         known.map_or_else(|| vec![Vec3::ZERO; count], |(_, light)| light.clone())
     }
