@@ -110,8 +110,9 @@ impl Scene {
         let FaceReader {
             mut surfaces, shapes, luxel_maps, names, groups, wishes, emissive, ..
         } = faces;
-        materials
-            .warn(surfaces.iter().filter(|s| s.reflects).filter_map(|s| s.texture), &mut warnings);
+        // Fences may have no pixels that are seen.
+        let walls = surfaces.iter().filter(|s| s.reflects && s.role == Role::Solid);
+        materials.warn(walls.filter_map(|s| s.texture), &mut warnings);
 
         let smoothing = Smoothing::new(bsp, &shapes, &wishes);
         let mut drafts =
