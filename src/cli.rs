@@ -1,10 +1,10 @@
 //! The command line of `qrad`.
 
 use crate::engine::Engine;
-use crate::lightmap::{Gather, Smoothing};
+use crate::lightmap::{DebugView, Gather, Smoothing};
 use crate::outputs::{DirectionFile, LitFile, Outputs, Scope};
 use crate::radiosity::hemicube::HemicubeSize;
-use crate::scene::{LightGrid, LuxelSettings};
+use crate::scene::{ALL_BOUNCES, LightGrid, LuxelSettings};
 use crate::settings::{Settings, SurfaceLights};
 use crate::{Error, Result};
 use clap::{ArgGroup, Args, Parser, ValueEnum};
@@ -46,9 +46,10 @@ pub struct Cli {
     #[arg(help_heading = "Direct light")]
     pub soft: Option<String>,
 
-    /// Most bounces of light; 0 is direct light only [default: until the residual is reached]
-    #[arg(long, value_name = "N", help_heading = "Bounced light")]
-    pub bounces: Option<u32>,
+    /// Most bounces of light; 0 is direct light only, `all` is until the residual is reached [default:
+    /// worldspawn _bounce, or all]
+    #[arg(long, value_name = "N", value_parser = bounce_count, help_heading = "Bounced light")]
+    pub bounces: Option<BounceCount>,
 
     /// Share of the light that may be left when bouncing ends
     #[arg(long, value_name = "SHARE", default_value_t = 1e-5, help_heading = "Bounced light")]
@@ -74,9 +75,21 @@ pub struct Cli {
     #[arg(long, help_heading = "Materials")]
     pub grey: bool,
 
+    /// Where worldspawn has no _bouncecolorscale, every surface sends back the same grey, as in light
+    #[arg(long, conflicts_with = "grey", help_heading = "Materials")]
+    pub compat_bounce: bool,
+
     /// WAD file with textures that the map does not contain; may be given more than once
     #[arg(long, value_name = "FILE.wad", help_heading = "Materials")]
     pub wad: Vec<PathBuf>,
+
+    /// Folder to search for the WAD files that the map names; may be given more than once
+    #[arg(long, value_name = "DIR", help_heading = "Materials")]
+    pub path: Vec<PathBuf>,
+
+    /// Texture lights: a .rad file, or light entities in an .ent file; may be given more than once
+    #[arg(long, value_name = "FILE", help_heading = "Materials")]
+    pub radlights: Vec<PathBuf>,
 
     /// How `_surface` lights shine
     #[arg(long, value_enum, default_value_t, help_heading = "Materials")]
@@ -93,6 +106,22 @@ pub struct Cli {
     /// Write the lightmaps as pictures, one PNG a light style, and index.csv, into a folder
     #[arg(long, value_name = "DIR", help_heading = "Pictures")]
     pub dump_lightmaps: Option<PathBuf>,
+
+    /// Show this in the lightmaps instead of light
+    #[arg(long, value_enum, value_name = "VIEW", help_heading = "Pictures")]
+    pub debug: Option<DebugView>,
+
+    /// Write the map's faces to MAP.obj
+    #[arg(long, help_heading = "Pictures")]
+    pub exportobj: bool,
+
+    /// Write MAP.obj with smoothed normals, and nothing else
+    #[arg(long, help_heading = "Pictures")]
+    pub phongdebug_obj: bool,
+
+    /// Write the points that stand for surface lights to MAP-surflights.map
+    #[arg(long, help_heading = "Pictures")]
+    pub surflight_dump: bool,
 
     /// Draw the lit map
     #[arg(long, value_name = "OUT.png", help_heading = "Pictures")]
@@ -317,16 +346,41 @@ fn grid_step(text: &str) -> std::result::Result<String, String> {
     usable.then_some(value).ok_or_else(|| "give one number or three, each 1 to 65536".into())
 }
 
+/// Spelling of a number of bounces.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum BounceCount {
+    /// Until the residual is reached, whatever the map says.
+    All,
+    /// At most so many.
+    Most(u32),
+}
+
+/// Reads `--bounces`.
+fn bounce_count(text: &str) -> std::result::Result<BounceCount, String> {
+    if text == ALL_BOUNCES {
+        return Ok(BounceCount::All);
+    }
+    text.parse().map(BounceCount::Most).map_err(|_| format!("give a number or {ALL_BOUNCES}"))
+}
+
 impl Cli {
     /// The settings of a map run.
     ///
     /// # Errors
     /// When an option is out of range.
     pub fn settings(&self) -> Result<Settings> {
+        let mut overrides: Vec<_> =
+            self.set.iter().cloned().chain(self.outputs.grid_keys()).collect();
+        if self.bounces == Some(BounceCount::All) {
+            overrides.push(("bounce".into(), ALL_BOUNCES.into()));
+        }
         Settings {
             hemicube: HemicubeSize::new(self.hemicube, self.hemicube)?,
             patch_size: self.patch_size,
-            bounces: self.bounces,
+            bounces: match self.bounces {
+                Some(BounceCount::Most(n)) => Some(n),
+                _ => None,
+            },
             residual: self.residual,
             smoothing: self.smoothing()?,
             gather: match self.gather {
@@ -335,11 +389,13 @@ impl Cli {
             },
             reflectance_scale: self.reflectance_scale,
             grey: self.grey,
+            compat_bounce: self.compat_bounce,
             surface_lights: match self.surface_lights {
                 SurfaceLightsArg::Points => SurfaceLights::Points,
                 SurfaceLightsArg::Area => SurfaceLights::Area,
             },
-            overrides: self.set.iter().cloned().chain(self.outputs.grid_keys()).collect(),
+            overrides,
+            debug: self.debug,
             outputs: self.outputs.outputs(),
         }
         .checked()

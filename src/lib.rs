@@ -92,7 +92,7 @@ pub fn light_bsp(
     let outputs = &settings.outputs;
     let unchanged = (outputs.scope == Scope::LitOnly).then(|| bsp.clone());
     bsp.clear_lighting();
-    bsp.rewrite_entities()?;
+    bsp.rewrite_entities(settings.styles(bsp)?)?;
     let scene = Scene::build(bsp, sidecar, &settings.scene(textures))?;
     let points = stage::place(&scene, settings, progress);
     let mut direct = stage::direct(&scene, points.samples(), settings, progress);
@@ -109,8 +109,20 @@ pub fn light_bsp(
     let indirect = stage::gather(sources, &points.luxels, settings, progress);
     let counts = Counts::new(&scene, &direct, &patches, &transfers, &bounced, &indirect);
     stage::directions(sources, &points.luxels, &indirect, &mut direct, settings);
-    let probes = stage::probes(&scene, &patches, points.samples(), &bounced, settings);
-    let faces = stage::finish(&scene, &points, direct, indirect.maps, &probes, settings);
+    let faces = if let Some(view) = settings.debug {
+        let sources = lightmap::DebugSources {
+            scene: &scene,
+            samples: points.samples(),
+            direct: &direct,
+            indirect: &indirect.maps,
+            patches: &patches,
+            light: &bounced.styles,
+        };
+        stage::debug(view, sources, settings)
+    } else {
+        let probes = stage::probes(&scene, &patches, points.samples(), &bounced, settings);
+        stage::finish(&scene, &points, direct, indirect.maps, &probes, settings)
+    };
     if let Some(unchanged) = unchanged {
         *bsp = unchanged;
         let store::LitOnly { rgb, files } = store::lit_only(bsp, &scene, &faces, outputs)?;

@@ -8,6 +8,7 @@ use clap::{CommandFactory, Parser};
 use log::LevelFilter;
 use qrad::cli::Cli;
 use qrad::legacy_args;
+use std::ffi::OsString;
 use std::io::{IsTerminal, Write};
 use std::process::ExitCode;
 
@@ -22,7 +23,7 @@ fn main() -> ExitCode {
             return ExitCode::from(USAGE);
         }
     };
-    let cli = Cli::parse_from(args);
+    let cli = Cli::parse_from(&args);
     let level = match (cli.quiet, cli.verbose) {
         (true, _) => LevelFilter::Error,
         (_, true) => LevelFilter::Debug,
@@ -38,7 +39,7 @@ fn main() -> ExitCode {
     for note in notes {
         log::warn!("{note}");
     }
-    match run(&cli) {
+    match run(&cli, &args) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             eprintln!("qrad: error: {error:#}");
@@ -47,7 +48,7 @@ fn main() -> ExitCode {
     }
 }
 
-fn run(cli: &Cli) -> anyhow::Result<()> {
+fn run(cli: &Cli, args: &[OsString]) -> anyhow::Result<()> {
     if let Some(shell) = cli.completions {
         clap_complete::generate(shell, &mut Cli::command(), "qrad", &mut std::io::stdout());
         return Ok(());
@@ -56,7 +57,7 @@ fn run(cli: &Cli) -> anyhow::Result<()> {
     let visible = !cli.quiet && std::io::stderr().is_terminal();
     threads.install(|| match (&cli.patches, &cli.map) {
         (Some(scene), _) => scene_job::run(cli, scene, visible),
-        (None, Some(map)) => map_job::run(cli, &qrad::cli::map_path(map), visible),
+        (None, Some(map)) => map_job::run((cli, args), &qrad::cli::map_path(map), visible),
         (None, None) => Ok(()),
     })
 }

@@ -1,37 +1,56 @@
 //! One run on a map: files in, files out.
 
 use anyhow::Context;
+use clap::{CommandFactory, Parser};
 use glam::Vec3;
-use qrad::bsp::{Bsp, MipTex, load_wad, parse_entities};
+use qrad::bsp::{Bsp, Entity, MipTex, load_wad, parse_entities};
 use qrad::cli::Cli;
 use qrad::outputs::{DirectionFile, Outputs, Scope};
 use qrad::progress::Progress;
 use qrad::render::{Camera, LitMap, start_camera};
 use qrad::report::Report;
-use qrad::scene::Sidecar;
-use qrad::{Files, MapLight, light_bsp, lightmap, output};
+use qrad::scene::{Scene, Sidecar, export};
+use qrad::settings::Settings;
+use qrad::{Files, MapLight, legacy_args, light_bsp, lightmap, output};
+use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-/// Lights the map in `path` and writes what the command line asks for.
-pub fn run(cli: &Cli, path: &Path, visible: bool) -> anyhow::Result<()> {
+/// Lights the map in `path` and writes what the command line `args`, parsed as `cli`, asks for.
+pub fn run((cli, args): (&Cli, &[OsString]), path: &Path, visible: bool) -> anyhow::Result<()> {
     let start = Instant::now();
-    let settings = cli.settings()?;
+    cli.settings()?;
     let mut bsp = Bsp::read(&read(path)?).with_context(|| path.display().to_string())?;
+    let entities = parse_entities(&bsp.entities).with_context(|| path.display().to_string())?;
+    let with_map = entities.first().and_then(|world| with_options_of_map(world, args));
+    let cli = with_map.as_ref().unwrap_or(cli);
+    let settings = cli.settings()?;
     let target = cli.output.as_deref().unwrap_or(path);
     if settings.outputs.scope == Scope::EntitiesOnly {
-        bsp.rewrite_entities().with_context(|| path.display().to_string())?;
+        bsp.rewrite_entities(settings.styles(&bsp)?).with_context(|| path.display().to_string())?;
         output::write(target, &bsp.write()?)?;
         return Ok(());
     }
     let camera = cli.camera()?;
     let size = cli.preview_size()?;
+    check_outputs(cli, target, &settings)?;
     let textures = textures(cli, path, &bsp)?;
     let texinfo = sidecar(path, "texinfo.json")?;
     let content = sidecar(path, "content.json")?;
-    let rad = rad_files(path)?;
-    let sidecar =
-        Sidecar { texinfo: texinfo.as_deref(), content: content.as_deref(), rad: Some(&rad) };
+    let TextureLights { rad, lights } = TextureLights::read(cli, path)?;
+    let sidecar = Sidecar {
+        texinfo: texinfo.as_deref(),
+        content: content.as_deref(),
+        rad: Some(&rad),
+        lights: Some(&lights),
+    };
+    let obj = target.with_extension("obj");
+    if cli.phongdebug_obj {
+        let scene = Scene::build(&bsp, sidecar, &settings.scene(textures))
+            .with_context(|| path.display().to_string())?;
+        output::write(&obj, export::obj(&scene).as_bytes())?;
+        return Ok(());
+    }
     let progress = Progress::new(visible);
     let lit = light_bsp(&mut bsp, sidecar, textures.clone(), &settings, &progress)
         .with_context(|| path.display().to_string())?;
@@ -39,6 +58,15 @@ pub fn run(cli: &Cli, path: &Path, visible: bool) -> anyhow::Result<()> {
         log::warn!("{sentence}");
     }
     let mut written = write_files(target, &bsp, &lit.files, &settings.outputs)?;
+    if cli.exportobj {
+        output::write(&obj, export::obj(&lit.scene).as_bytes())?;
+        written.push(obj);
+    }
+    if cli.surflight_dump {
+        let path = surface_light_path(target);
+        output::write(&path, export::surface_lights(&lit.scene).as_bytes())?;
+        written.push(path);
+    }
     if let Some(folder) = &cli.dump_lightmaps {
         written.extend(dump(folder, &lit)?);
     }
@@ -70,6 +98,24 @@ pub fn run(cli: &Cli, path: &Path, visible: bool) -> anyhow::Result<()> {
     Ok(())
 }
 
+/// The command line with what worldspawn asks for before it, so that the command line wins; `None` if the
+/// map asks for nothing, or for what does not go with the command line.
+fn with_options_of_map(world: &Entity, args: &[OsString]) -> Option<Cli> {
+    let own = legacy_args::of_worldspawn(world, &Cli::command());
+    let (name, rest) = args.split_first()?;
+    let all = std::iter::once(name).chain(&own).chain(rest);
+    match Cli::try_parse_from(all) {
+        _ if own.is_empty() => None,
+        Ok(cli) => Some(cli),
+        Err(_) => {
+            log::warn!(
+                "options in worldspawn do not go with those given, and are ignored: {own:?}"
+            );
+            None
+        }
+    }
+}
+
 fn read(path: &Path) -> anyhow::Result<Vec<u8>> {
     std::fs::read(path).with_context(|| format!("cannot read {}", path.display()))
 }
@@ -84,16 +130,56 @@ fn sidecar(map: &Path, extension: &str) -> anyhow::Result<Option<String>> {
     }
 }
 
-/// Texture lights: `lights.rad` in the current folder or else beside the map, then `<map>.rad`.
-fn rad_files(map: &Path) -> anyhow::Result<String> {
-    let common = [PathBuf::from("lights.rad"), map.with_file_name("lights.rad")];
-    let common = common.into_iter().find(|p| p.is_file());
-    let mut text = String::new();
-    for path in common.into_iter().chain(Some(map.with_extension("rad")).filter(|p| p.is_file())) {
-        text.push_str(&String::from_utf8_lossy(&read(&path)?));
-        text.push('\n');
+/// Finds out what cannot be written before the long work, and before anything has been written.
+fn check_outputs(cli: &Cli, target: &Path, settings: &Settings) -> qrad::Result<()> {
+    let outputs = &settings.outputs;
+    let lit = target.with_extension("lit");
+    let lux = target.with_extension(outputs.lux.extension().unwrap_or("lux"));
+    let obj = target.with_extension("obj");
+    let lights = surface_light_path(target);
+    let files = [
+        (outputs.writes_map(), target),
+        (!outputs.writes_map() && outputs.scope != Scope::EntitiesOnly, &lit),
+        (outputs.lux.extension().is_some(), &lux),
+        (cli.exportobj || cli.phongdebug_obj, &obj),
+        (cli.surflight_dump, &lights),
+    ];
+    let files = files.into_iter().filter_map(|(wanted, path)| wanted.then_some(path));
+    files.chain(cli.preview.as_deref()).try_for_each(output::check_writable)?;
+    cli.dump_lightmaps.as_deref().map_or(Ok(()), output::check_folder)
+}
+
+/// `<map>-surflights.map`.
+fn surface_light_path(map: &Path) -> PathBuf {
+    let stem = map.file_stem().unwrap_or_default().to_string_lossy();
+    map.with_file_name(format!("{stem}-surflights.map"))
+}
+
+/// Lights of textures from files beside the map and from those that the command line names.
+#[derive(Default)]
+struct TextureLights {
+    /// Lines of `.rad` files.
+    rad: String,
+    /// Text of `.ent` files.
+    lights: String,
+}
+
+impl TextureLights {
+    /// Reads `lights.rad` in the current folder or else beside the map, then `<map>.rad`, then the files
+    /// that the command line names.
+    fn read(cli: &Cli, map: &Path) -> anyhow::Result<Self> {
+        let common = [PathBuf::from("lights.rad"), map.with_file_name("lights.rad")];
+        let common = common.into_iter().find(|p| p.is_file());
+        let own = Some(map.with_extension("rad")).filter(|p| p.is_file());
+        let mut files = Self::default();
+        for path in common.into_iter().chain(own).chain(cli.radlights.iter().cloned()) {
+            let is_entities = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("ent"));
+            let text = if is_entities { &mut files.lights } else { &mut files.rad };
+            text.push_str(&String::from_utf8_lossy(&read(&path)?));
+            text.push('\n');
+        }
+        Ok(files)
     }
-    Ok(text)
 }
 
 /// Textures of the WAD files given as options, and of those that worldspawn names if the map lacks
@@ -112,7 +198,11 @@ fn textures(cli: &Cli, map: &Path, bsp: &Bsp) -> anyhow::Result<Vec<MipTex>> {
         // Maps carry the paths of the machine that they were made on.
         let name = name.replace('\\', "/");
         let beside = map.with_file_name(Path::new(&name).file_name().unwrap_or_default());
-        let found = [map.with_file_name(&name), beside].into_iter().find(|p| p.is_file());
+        let folders = cli.path.iter().flat_map(|folder| {
+            [folder.join(&name), folder.join(beside.file_name().unwrap_or_default())]
+        });
+        let found = [map.with_file_name(&name), beside.clone()].into_iter().chain(folders);
+        let found = found.into_iter().find(|p| p.is_file());
         match found.map(|p| Ok::<_, anyhow::Error>((load_wad(&read(&p)?), p))).transpose()? {
             Some((Ok(more), _)) => textures.extend(more),
             Some((Err(e), path)) => log::warn!("{}: {e}", path.display()),

@@ -40,6 +40,30 @@ pub fn check_replaceable(path: &Path) -> Result<()> {
     Ok(())
 }
 
+/// Whether a file can be written, found out by writing an empty one beside it. For runs that take long
+/// before they write.
+///
+/// # Errors
+/// When the folder is not there or cannot be written to, or a folder has the place of the file.
+pub fn check_writable(path: &Path) -> Result<()> {
+    check_replaceable(path)?;
+    write_beside(path, &[]).map(drop)
+}
+
+/// The same for a folder that is made if it is not there.
+///
+/// # Errors
+/// When something else has its place, or no file can be written in it or in the folder that it is to be
+/// made in.
+pub fn check_folder(path: &Path) -> Result<()> {
+    // The nearest part of the path that is there; an empty path stands for the current folder.
+    let there = path.ancestors().find(|p| p.exists()).unwrap_or(Path::new("."));
+    if !there.is_dir() {
+        return Err(Error::io("make folder", path)(io::ErrorKind::NotADirectory.into()));
+    }
+    write_beside(&there.join("qrad"), &[]).map(drop)
+}
+
 fn write_beside(path: &Path, bytes: &[u8]) -> Result<NamedTempFile> {
     let folder = match path.parent() {
         Some(p) if !p.as_os_str().is_empty() => p,

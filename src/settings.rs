@@ -1,10 +1,10 @@
 //! What the user can set, checked once and passed down from there.
 
-use crate::bsp::MipTex;
-use crate::lightmap::{Gather, Smoothing};
+use crate::bsp::{Bsp, MipTex, StyleRange};
+use crate::lightmap::{DebugView, Gather, Smoothing};
 use crate::outputs::Outputs;
 use crate::radiosity::hemicube::HemicubeSize;
-use crate::scene::SceneSettings;
+use crate::scene::{SceneSettings, style_range};
 use crate::{Error, Result};
 
 /// How emitting textures (`_surface` lights) shine.
@@ -24,7 +24,8 @@ pub struct Settings {
     pub hemicube: HemicubeSize,
     /// Longest edge of a patch in luxels, from 1 to 256.
     pub patch_size: u32,
-    /// Most bounces; `None` is until the residual is reached.
+    /// Most bounces; `None` is what worldspawn says (`bounce`), and without that until the residual is
+    /// reached.
     pub bounces: Option<u32>,
     /// Bouncing ends when this share of the light is left, in (0, 1).
     pub residual: f64,
@@ -36,10 +37,15 @@ pub struct Settings {
     pub reflectance_scale: f32,
     /// Ignore the colour of textures: everything reflects half the light.
     pub grey: bool,
+    /// Where worldspawn has no `bouncecolorscale`, it is 0 as in the reference: everything reflects the
+    /// same grey.
+    pub compat_bounce: bool,
     /// How surface lights shine.
     pub surface_lights: SurfaceLights,
     /// Worldspawn keys and values that win over those of the map.
     pub overrides: Vec<(String, String)>,
+    /// What the lightmaps show instead of light.
+    pub debug: Option<DebugView>,
     /// What is written.
     pub outputs: Outputs,
 }
@@ -55,8 +61,10 @@ impl Default for Settings {
             gather: Gather::default(),
             reflectance_scale: 1.0,
             grey: false,
+            compat_bounce: false,
             surface_lights: SurfaceLights::default(),
             overrides: Vec::new(),
+            debug: None,
             outputs: Outputs::default(),
         }
     }
@@ -89,15 +97,34 @@ impl Settings {
         Ok(self)
     }
 
+    /// The styles that switchable lights get.
+    ///
+    /// # Errors
+    /// When the entity text is damaged.
+    pub fn styles(&self, bsp: &Bsp) -> Result<StyleRange> {
+        style_range(&bsp.entities, &self.overrides)
+    }
+
     /// The part that concerns the scene. `textures` are those that the map may lack.
-    pub(crate) fn scene(&self, textures: Vec<MipTex>) -> SceneSettings {
+    pub fn scene(&self, textures: Vec<MipTex>) -> SceneSettings {
+        let mut overrides = self.overrides.clone();
+        overrides.extend(self.bounces.map(|n| ("bounce".to_owned(), n.to_string())));
+        let mut set = |key: &str, value: &str| overrides.push((key.to_owned(), value.to_owned()));
+        if self.debug.is_some_and(|view| !view.shows_bounces()) {
+            set("bounce", "0");
+        }
+        if self.debug == Some(DebugView::Dirt) {
+            set("dirt", "1");
+        }
         SceneSettings {
             reflectance_scale: self.reflectance_scale,
             grey: self.grey,
+            compat_bounce: self.compat_bounce,
             textures,
             area_lights: self.surface_lights == SurfaceLights::Area,
-            overrides: self.overrides.clone(),
+            overrides,
             luxels: self.outputs.luxels.clone(),
+            extra: self.smoothing.extra,
         }
     }
 }

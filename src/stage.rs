@@ -3,7 +3,7 @@
 use crate::Result;
 use crate::bsp::BspxLump;
 use crate::light::{self, DirectLight, Directions, Probe, StyleLight};
-use crate::lightmap::{self, FinishedFace};
+use crate::lightmap::{self, DebugSources, DebugView, FinishedFace};
 use crate::patch::MapPatches;
 use crate::progress::Progress;
 use crate::radiosity::bounce::{self, Bounced};
@@ -81,7 +81,7 @@ pub(crate) fn patches(
     progress: &Progress,
 ) -> MapPatches {
     let _stage = progress.stage("patches", samples.len());
-    if settings.bounces == Some(0) && scene.emitters.is_empty() {
+    if scene.world.bounce.most == Some(0) && scene.emitters.is_empty() {
         return MapPatches::default();
     }
     MapPatches::new(scene, samples, settings.patch_size)
@@ -95,7 +95,7 @@ pub(crate) fn transfers(
     progress: &Progress,
 ) -> Transfers {
     let stage = progress.stage("form factors", patches.set.patches.len());
-    Transfers::compute(&scene.tracer, &patches.set, settings.hemicube, |n| stage.advance(n))
+    Transfers::compute(scene.bounce_tracer(), &patches.set, settings.hemicube, |n| stage.advance(n))
 }
 
 /// Final light of the patches in every style.
@@ -110,18 +110,21 @@ pub(crate) fn bounce(
     if patches.set.patches.is_empty() {
         return Bounced::default();
     }
+    let rules = &scene.world.bounce;
     let arriving: Vec<Cow<'_, [StyleLight]>> = direct
         .iter()
         .zip(points.samples())
         .zip(&scene.surfaces)
         .map(|((direct, samples), surface)| {
             let width = surface.luxels.as_ref().map_or(1, |g| g.width);
-            light::bounce_source(direct, samples, width, settings.smoothing.extra)
+            let light = light::bounce_source(direct, samples, width, settings.smoothing.extra);
+            bounce::ruled(light, rules)
         })
         .collect();
-    let emission = patches.emission(&scene.emitters);
+    let mut emission = patches.emission(&scene.emitters);
+    bounce::rule_emission(&mut emission, rules);
     let stage = progress.stage("bounces", bounce::styles(&arriving, &emission).len());
-    let limits = Limits { passes: settings.bounces, residual: settings.residual };
+    let limits = Limits { passes: rules.most, residual: settings.residual };
     bounce::bounce(patches, transfers, &arriving, &emission, limits, |n| stage.advance(n))
 }
 
@@ -180,6 +183,15 @@ pub(crate) fn light_grid(
     let stage = progress.stage("light grid", grid.place.len());
     let sources = lightmap::GridSources { scene, patches, light: &bounced.styles };
     lightmap::light_grid(sources, grid, |n| stage.advance(n)).map(Some)
+}
+
+/// Lightmaps that show something else than light.
+pub(crate) fn debug(
+    view: DebugView,
+    sources: DebugSources<'_>,
+    settings: &Settings,
+) -> Vec<FinishedFace> {
+    lightmap::debug_faces(view, sources, (settings.smoothing, settings.outputs.style_choice()))
 }
 
 /// All light of every face put together, as lightmaps.

@@ -6,7 +6,7 @@ use glam::Vec3;
 use proptest::prelude::*;
 use qbsp::{BspData, BspParseInput, BspParseSettings};
 use qrad::bsp::{
-    Bsp, Format, average_colour, find_texture, load_wad, parse_entities, read_lit,
+    Bsp, Format, StyleRange, average_colour, find_texture, load_wad, parse_entities, read_lit,
     rewrite_entities, write_entities,
 };
 use support::map_builder::MapBuilder;
@@ -262,7 +262,7 @@ fn read_and_use(file: &[u8]) {
     for texture in bsp.textures.iter().flatten() {
         let _ = average_colour(texture.pixels.as_deref().unwrap_or(&[]));
     }
-    let _ = rewrite_entities(&bsp.entities);
+    let _ = rewrite_entities(&bsp.entities, StyleRange::default());
     // A map that was accepted can be written and read again, and is the same then.
     let written = bsp.write().unwrap();
     assert_eq!(Bsp::read(&written).unwrap().write().unwrap(), written);
@@ -295,7 +295,7 @@ proptest! {
         let _ = (Bsp::read(&bytes), load_wad(&bytes), read_lit(&bytes), parse_entities(&bytes));
         for magic in [&b"BSP2"[..], b"WAD2", b"QLIT\x01\0\0\0", b"{ \"a\" "] {
             let bytes = [magic, &bytes].concat();
-            let _ = (Bsp::read(&bytes), load_wad(&bytes), read_lit(&bytes), rewrite_entities(&bytes));
+            let _ = (Bsp::read(&bytes), load_wad(&bytes), read_lit(&bytes), rewrite_entities(&bytes, StyleRange::default()));
         }
     }
 

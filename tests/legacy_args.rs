@@ -4,7 +4,7 @@ mod support;
 
 use clap::{Command, CommandFactory};
 use qrad::bsp::Format;
-use qrad::cli::Cli;
+use qrad::cli::{BounceCount, Cli};
 use qrad::legacy_args::{Effect, LegacyOption, OPTIONS, Values, describe, rewrite};
 use std::collections::{BTreeSet, HashSet};
 use std::ffi::OsString;
@@ -12,6 +12,9 @@ use std::path::{Path, PathBuf};
 use support::map_builder::MapBuilder;
 use support::program::{arg, qrad};
 use tempfile::TempDir;
+
+/// Options that other versions of the reference have, or that its documentation names.
+const OTHERS: &str = "nobouncestyled novisapprox lmscale lightgrid_force";
 
 /// Every option of the contract's sections 9.2 and 9.3.
 const CONTRACT: &str = "dist range anglescale anglesense gamma addmin light minlight \
@@ -80,9 +83,7 @@ fn the_table_has_the_options_of_the_contract_once_each() {
     let ours: Vec<&str> = OPTIONS.iter().flat_map(|o| o.names).copied().collect();
     let set: BTreeSet<&str> = ours.iter().copied().collect();
     assert_eq!(set.len(), ours.len(), "a name occurs twice");
-    // One that the contract does not describe.
-    let expected = CONTRACT.split_whitespace().chain(["lightgrid_force"]);
-    assert_eq!(set, expected.collect());
+    assert_eq!(set, CONTRACT.split_whitespace().chain(OTHERS.split_whitespace()).collect());
 }
 
 #[test]
@@ -114,7 +115,8 @@ fn every_option_maps_or_has_its_one_line() {
             }
             let (args, notes) = pass(&format!("{dashes}{name} {} map.bsp", sample(option.values)));
             assert_eq!(args.last().unwrap(), "map.bsp", "{name} takes no file name");
-            assert_eq!(args.len() - 1 + notes.len(), 1, "{name}: {args:?} {notes:?}");
+            let words = if matches!(option.effect, Effect::Search) { 2 } else { 1 };
+            assert_eq!(args.len() - 1 + notes.len(), words, "{name}: {args:?} {notes:?}");
             for note in &notes {
                 assert!(note.starts_with(&format!("{dashes}{name}: ")), "{note}");
                 assert!(note.len() > name.len() + 20 && !note.contains('\n'), "{note}");
@@ -146,7 +148,7 @@ fn options_that_set_a_key_set_one_that_the_scene_reads() {
 fn later_options_win_and_lists_grow() {
     let line = "-bounce 3 --bounces 2 -path a.wad --wad b.wad -dist 2 --set range=1 -lit -lit map";
     let matches = own().try_get_matches_from([vec!["qrad".into()], pass(line).0].concat()).unwrap();
-    assert_eq!(matches.get_one::<u32>("bounces"), Some(&2));
+    assert_eq!(matches.get_one::<BounceCount>("bounces"), Some(&BounceCount::Most(2)));
     assert_eq!(matches.get_many::<PathBuf>("wad").unwrap().count(), 2);
     assert_eq!(matches.get_many::<(String, String)>("set").unwrap().count(), 2);
 }
@@ -167,27 +169,34 @@ fn options_that_stand_for_one_of_ours_want_as_many_values() {
 
 #[test]
 fn file_names_that_begin_with_digits_are_file_names() {
-    assert_eq!(args("-bounce 2fort.bsp"), ["--bounces=1", "2fort.bsp"]);
+    assert_eq!(args("-bounce 2fort.bsp"), ["--bounces=all", "2fort.bsp"]);
     assert_eq!(args("-bounce 2 2fort.bsp"), ["--bounces=2", "2fort.bsp"]);
     assert_eq!(args("-dirt 1.bsp"), ["--set=dirt=1", "1.bsp"]);
     assert_eq!(args("-sun_angle 45 2fort.bsp"), ["--set=sunlight_mangle=45", "2fort.bsp"]);
     assert_eq!(pass("-soft 1e1m1.bsp").0.last().unwrap(), "1e1m1.bsp");
-    assert_eq!(pass("-bounce nan").0, ["--bounces=1", "nan"]);
-    assert_eq!(pass("-bounce inf").0, ["--bounces=1", "inf"]);
+    assert_eq!(pass("-bounce nan").0, ["--bounces=all", "nan"]);
+    assert_eq!(pass("-bounce inf").0, ["--bounces=all", "inf"]);
 }
 
 #[test]
 fn values_become_values() {
     for (line, want) in [
-        ("-bounce", "--bounces=1"),
+        ("-bounce", "--bounces=all"),
         ("-bounce 0", "--bounces=0"),
         ("-bounce 3.9", "--bounces=3"),
         ("-bounce -5", "--bounces=0"),
         ("-bounce 1e9", "--bounces=100"),
         ("--bounce 4", "--bounces=4"),
         ("-threads 2.0", "--threads=2"),
-        ("-bouncescale 0.5", "--reflectance-scale=0.5"),
-        ("-bouncecolorscale 0", "--grey"),
+        ("-bouncescale 0.5", "--set=bouncescale=0.5"),
+        ("-bouncecolorscale 0", "--set=bouncecolorscale=0"),
+        ("-bouncestyled 0", "--set=bouncestyled=0"),
+        ("-nobouncestyled", "--set=bouncestyled=0"),
+        ("-nobouncestyled 0", "--set=bouncestyled=1"),
+        ("-lmscale 2", "--set=lightmap_scale=2"),
+        ("-debugdirt", "--debug=dirt"),
+        ("-phongdebug -bouncedebug 1", "--debug=bounce"),
+        ("-path id1", "--path id1"),
         ("-dirt", "--set=dirt=1"),
         ("-dirty -1", "--set=dirt=-1"),
         ("-phong 0", "--set=phong=0"),
@@ -201,16 +210,16 @@ fn values_become_values() {
         ("-noverbose", "--quiet"),
         ("-?", "--help"),
     ] {
-        assert_eq!(args(line), [want], "{line}");
+        assert_eq!(args(line).join(" "), want, "{line}");
     }
-    for nothing in ["-threads 0", "-bouncecolorscale 1", "-quiet 0", "-lux 0", "-q2rtx -1"] {
+    for nothing in ["-threads 0", "-dirtdebug 0", "-quiet 0", "-lux 0", "-q2rtx -1"] {
         assert!(args(nothing).is_empty(), "{nothing}");
     }
     let quoted = ["qrad", "-sunlight_color", "1 0.5 0", "-sun2_mangle", "0 -90"];
     let (args, _) = rewrite(quoted.map(OsString::from).to_vec(), &own()).unwrap();
     assert_eq!(args[1..], ["--set=sunlight_color=1 0.5 0", "--set=sun2_mangle=0 -90"]);
-    assert_eq!(pass("-path a/gfx.WAD -path id1").0, ["--wad", "a/gfx.WAD"]);
-    assert_eq!(pass("-path id1 -path id1").1.len(), 1);
+    let both = ["--wad", "a/gfx.WAD", "--path", "id1"];
+    assert_eq!(pass("-path a/gfx.WAD -path id1").0, both);
 }
 
 #[test]
@@ -344,7 +353,7 @@ fn options_do_what_their_translation_does() {
     let plain = light(&map, "--bounces 0").0;
     for (legacy, ours, changes) in [
         ("-bounce 0", "--bounces 0", false),
-        ("-bounce", "--bounces 1", true),
+        ("-bounce", "--bounces all", true),
         ("-bounce 3 -bounce 0", "--bounces 0", false),
         ("-bounce 0 -threads 1", "--bounces 0", false),
         ("-bounce 0 -sunlight_penumbra 0", "--bounces 0 --set _sunlight_penumbra=0", true),
@@ -354,7 +363,7 @@ fn options_do_what_their_translation_does() {
         ("-bounce 0 -gate 30", "--bounces 0 --set gate=30", true),
         ("-bounce 0 -nolights", "--bounces 0 --set nolights=1", true),
         ("-bounce 0 -nolights 0", "--bounces 0", false),
-        ("-bounce 2 -bouncescale 0.5", "--bounces 2 --reflectance-scale 0.5", true),
+        ("-bounce 2 -bouncescale 0.5", "--bounces 2 --set _bouncescale=0.5", true),
     ] {
         let (a, b) = (light(&map, legacy).0, light(&map, ours).0);
         assert!(a == b, "{legacy} is not {ours}");
@@ -420,4 +429,26 @@ fn the_table_of_the_documentation_is_up_to_date() {
         assert!(known.contains(row), "missing (QRAD_WRITE_DOCS=1 writes the table): {row}");
     }
     assert_eq!(&text[start..end], table);
+}
+
+#[test]
+fn options_may_stand_in_worldspawn_and_the_command_line_wins() {
+    let (folder, map) = map();
+    let mut bsp = qrad::bsp::Bsp::read(&std::fs::read(&map).unwrap()).unwrap();
+    let text = String::from_utf8(bsp.entities.clone()).unwrap();
+    bsp.entities =
+        text.replacen('}', "\"_extra4\" \"1\"\n\"_facestyles\" \"2\"\n}", 1).into_bytes();
+    let keyed = folder.path().join("keyed.bsp");
+    std::fs::write(&keyed, bsp.write().unwrap()).unwrap();
+    let lighting = |map: &Path, line: &str| {
+        let (bytes, said) = light(map, line);
+        (qrad::bsp::Bsp::read(&bytes).unwrap().lighting, said)
+    };
+    let plain = lighting(&map, "-bounce 0").0;
+    let (fine, said) = lighting(&keyed, "-bounce 0");
+    assert_eq!(fine, lighting(&map, "-bounce 0 -extra4").0);
+    assert!(fine != plain && said.is_empty(), "{said}");
+    let (other, said) = lighting(&keyed, "-bounce 0 -extra");
+    assert_eq!(other, lighting(&map, "-bounce 0 -extra").0);
+    assert!(said.contains("extra4"), "{said}");
 }

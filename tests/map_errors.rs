@@ -155,6 +155,7 @@ fn pictures_that_cannot_be_written_are_named() {
     for option in ["--preview", "--dump-lightmaps"] {
         let nowhere = map.join("below-a-file");
         let line = fail(&map, &["-o", arg(&out), option, arg(&nowhere)]);
+        assert!(!out.exists(), "{option} is checked before the map is written");
         assert!(line.contains("below-a-file"), "{line}");
     }
 }

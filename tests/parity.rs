@@ -42,7 +42,8 @@ fn compare(map: &str) -> Option<Agreement> {
     let mut bsp = Bsp::read(&std::fs::read(&path).unwrap()).unwrap();
     let texinfo = std::fs::read_to_string(path.with_extension("texinfo.json")).ok();
     let content = std::fs::read_to_string(path.with_extension("content.json")).ok();
-    let sidecar = Sidecar { texinfo: texinfo.as_deref(), content: content.as_deref(), rad: None };
+    let sidecar =
+        Sidecar { texinfo: texinfo.as_deref(), content: content.as_deref(), ..Sidecar::default() };
     let settings = Settings {
         bounces: Some(0),
         overrides: vec![("_sunlight_penumbra".to_owned(), "0".to_owned())],

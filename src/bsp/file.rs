@@ -4,7 +4,7 @@ use super::bspx::{self, BspxLump};
 use super::header::{self, HEADER_SIZE, Header, LUMP_COUNT, Lump};
 use super::miptex::{self, MipTex};
 use super::records::{Face, Format, Leaf, Model, Node, Plane, TexInfo};
-use super::switchable::rewrite_entities;
+use super::switchable::{StyleRange, rewrite_entities};
 use super::{decode, encode, validate};
 use crate::Result;
 use glam::Vec3;
@@ -192,8 +192,8 @@ impl Bsp {
     ///
     /// # Errors
     /// When the entity text is damaged or needs too many switchable styles.
-    pub fn rewrite_entities(&mut self) -> Result<()> {
-        if let (_, Some(lump)) = rewrite_entities(&self.entities)? {
+    pub fn rewrite_entities(&mut self, styles: StyleRange) -> Result<()> {
+        if let (_, Some(lump)) = rewrite_entities(&self.entities, styles)? {
             self.entities = lump;
         }
         Ok(())

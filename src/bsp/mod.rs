@@ -39,5 +39,5 @@ pub use lit2::{LitFace, write_lit2};
 pub use miptex::MipTex;
 pub use palette::{PALETTE, TRANSPARENT, average_colour};
 pub use records::{Face, Format, Leaf, Model, Node, Plane, TexInfo};
-pub use switchable::{normalise, rewrite_entities};
+pub use switchable::{StyleRange, normalise, rewrite_entities};
 pub use wad::{find_texture, load_wad};

@@ -4,19 +4,30 @@ use super::entities::{Entity, parse_entities, write_entities};
 use crate::{Error, Result};
 use std::collections::HashMap;
 
-/// First light style handed out to switchable lights.
-const FIRST_STYLE: u32 = 32;
-/// First style that engines cannot switch any more.
-const STYLE_LIMIT: u32 = 64;
+/// The light styles that switchable lights get.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct StyleRange {
+    /// The first, handed out to the first name.
+    pub first: u16,
+    /// The first that is not handed out any more.
+    pub limit: u16,
+}
+
+impl Default for StyleRange {
+    /// What engines can switch.
+    fn default() -> Self {
+        Self { first: 32, limit: 64 }
+    }
+}
 
 /// Parses an entity lump and makes the changes of [`normalise`]. The second part is the new lump, or
 /// `None` if there is nothing to change, so that the old one can stay byte for byte.
 ///
 /// # Errors
 /// As [`parse_entities`] and [`normalise`].
-pub fn rewrite_entities(lump: &[u8]) -> Result<(Vec<Entity>, Option<Vec<u8>>)> {
+pub fn rewrite_entities(lump: &[u8], styles: StyleRange) -> Result<(Vec<Entity>, Option<Vec<u8>>)> {
     let mut entities = parse_entities(lump)?;
-    let changed = normalise(&mut entities)?;
+    let changed = normalise(&mut entities, styles)?;
     let text = changed.then(|| write_entities(&entities));
     Ok((entities, text))
 }
@@ -25,7 +36,7 @@ pub fn rewrite_entities(lump: &[u8]) -> Result<(Vec<Entity>, Option<Vec<u8>>)> {
 ///
 /// 1. `lightmap_scale` becomes `_lightmap_scale`.
 /// 2. Entities whose classname begins with `light` and that have a `targetname` get the `style` of
-///    that name: 32 for the first name, 33 for the next, in entity order.
+///    that name: the first of `styles` for the first name, and so on, in entity order.
 /// 3. Entities with `_switchableshadow` 1 get `switchshadstyle` in the same way; without a targetname,
 ///    a style of their own.
 /// 4. In values, `\b` goes and toggles bold letters (128 is added to their codes).
@@ -33,10 +44,10 @@ pub fn rewrite_entities(lump: &[u8]) -> Result<(Vec<Entity>, Option<Vec<u8>>)> {
 /// A second run finds nothing to change.
 ///
 /// # Errors
-/// `Limit` if more than 32 styles are needed.
-pub fn normalise(entities: &mut [Entity]) -> Result<bool> {
+/// `Limit` if more styles are needed than there are.
+pub fn normalise(entities: &mut [Entity], styles: StyleRange) -> Result<bool> {
     let before = entities.to_vec();
-    let mut styles = Styles { by_name: HashMap::new(), next: FIRST_STYLE };
+    let mut styles = Styles { by_name: HashMap::new(), next: styles.first, limit: styles.limit };
     for entity in entities.iter_mut() {
         if let Some(scale) = entity.remove("lightmap_scale") {
             log::warn!("key lightmap_scale renamed to _lightmap_scale");
@@ -69,23 +80,25 @@ fn is_one(value: &str) -> bool {
 }
 
 struct Styles {
-    by_name: HashMap<String, u32>,
-    next: u32,
+    by_name: HashMap<String, u16>,
+    next: u16,
+    limit: u16,
 }
 
 impl Styles {
     /// Style of a targetname; an empty one gets a new style each time.
-    fn of(&mut self, name: &str) -> Result<u32> {
+    fn of(&mut self, name: &str) -> Result<u16> {
         if let Some(&style) = self.by_name.get(name) {
             return Ok(style);
         }
         let style = self.next;
-        if style >= STYLE_LIMIT {
+        if style >= self.limit {
             return Err(Error::Limit {
                 what: format!("light style for targetname \"{name}\""),
                 value: style.into(),
-                limit: u64::from(STYLE_LIMIT) - 1,
-                advice: "give fewer different targetnames to lights and switchable shadows",
+                limit: u64::from(self.limit).saturating_sub(1),
+                advice: "give fewer different targetnames to lights and switchable shadows, or raise \
+                         _compilerstyle_max where the engine knows more styles",
             });
         }
         self.next += 1;
@@ -114,9 +127,9 @@ mod tests {
     use super::*;
 
     fn rewritten(text: &str) -> String {
-        let (_, lump) = rewrite_entities(text.as_bytes()).unwrap();
+        let (_, lump) = rewrite_entities(text.as_bytes(), StyleRange::default()).unwrap();
         let lump = lump.expect("something changes");
-        let again = rewrite_entities(&lump).unwrap();
+        let again = rewrite_entities(&lump, StyleRange::default()).unwrap();
         assert_eq!(again.1, None, "a second run changes nothing");
         lump.into_iter()
             .filter(|&byte| byte != 0)
@@ -151,7 +164,7 @@ mod tests {
     fn nothing_to_change_leaves_the_text_alone() {
         let text =
             b"{ classname  worldspawn }{ \"classname\" \"light\" targetname \"\" style 3 }\0";
-        let (entities, lump) = rewrite_entities(text).unwrap();
+        let (entities, lump) = rewrite_entities(text, StyleRange::default()).unwrap();
         assert_eq!(entities.len(), 2);
         assert_eq!(lump, None);
     }
@@ -161,8 +174,14 @@ mod tests {
         let lights = |count: u32| -> String {
             (0..count).map(|i| format!("{{ classname light targetname t{i} }}\n")).collect()
         };
-        assert!(rewrite_entities(lights(32).as_bytes()).is_ok());
-        let error = rewrite_entities(lights(33).as_bytes()).unwrap_err();
+        let rewrite = |count, first, limit| {
+            rewrite_entities(lights(count).as_bytes(), StyleRange { first, limit })
+        };
+        assert!(rewrite(32, 32, 64).is_ok() && rewrite(54, 10, 64).is_ok());
+        assert!(rewrite(1, 40, 40).is_err() && rewrite(1, u16::MAX, u16::MAX).is_err());
+        let (entities, _) = rewrite(2, 100, 102).unwrap();
+        assert_eq!(entities[1].get("style"), Some("101"));
+        let error = rewrite(33, 32, 64).unwrap_err();
         assert!(matches!(error, Error::Limit { value: 64, limit: 63, .. }), "{error}");
     }
 }

@@ -5,9 +5,12 @@
 //! both. A later option wins over an earlier one.
 
 mod table;
+mod worldspawn;
 
 pub use table::{Effect, LegacyOption, OPTIONS, Values};
+pub use worldspawn::of_worldspawn;
 
+use crate::scene::ALL_BOUNCES;
 use crate::{Error, Result};
 use clap::Command;
 use std::ffi::{OsStr, OsString};
@@ -39,9 +42,10 @@ pub fn describe(option: &LegacyOption, own: &Command) -> String {
         Effect::Key => format!("`--set {name}=…`"),
         Effect::Own(long, _) if has(long) => format!("`--{long}`"),
         Effect::Own(_, reason) | Effect::Ignored(reason) => format!("ignored: {reason}"),
-        Effect::Bounces => "`--bounces`; without a number, 1".into(),
-        Effect::ColourScale => "0: `--grey`. Other values are ignored: the share is 1".into(),
-        Effect::Search => "`--wad` for a `.wad` file. Folders are ignored".into(),
+        Effect::Off(key) => format!("`--set {key}=0`"),
+        Effect::View(view) => format!("`--debug {view}`"),
+        Effect::Bounces => "`--bounces`; without a number, `all`".into(),
+        Effect::Search => "`--wad` for a `.wad` file, else `--path`".into(),
         Effect::Threads => "`--threads`; 0 is all cores".into(),
         Effect::Help => "`--help`".into(),
     }
@@ -144,24 +148,27 @@ impl Rewriter<'_> {
             Effect::Ignored(reason) if !off => self.ignore(text, reason),
             Effect::Ignored(_) => {}
             Effect::Bounces => {
-                let count = value_number.unwrap_or(1.0).clamp(0.0, MOST_BOUNCES) as u32;
-                self.emit("--bounces=", Some(count.to_string().into()));
+                let count = value_number.map_or_else(
+                    || ALL_BOUNCES.to_owned(),
+                    |n| (n.clamp(0.0, MOST_BOUNCES) as u32).to_string(),
+                );
+                self.emit("--bounces=", Some(count.into()));
             }
-            Effect::ColourScale => {
-                self.out.retain(|t| t != "--grey");
-                match value_number {
-                    Some(0.0) => self.emit("--grey", None),
-                    Some(1.0) => {}
-                    _ => self.ignore(text, "the share is 1 here, or 0"),
+            Effect::Off(key) => {
+                let value = if off { "1" } else { "0" };
+                self.emit(&format!("--set={key}="), Some(value.into()));
+            }
+            Effect::View(view) => {
+                self.out.retain(|t| !t.to_str().is_some_and(|t| t.starts_with("--debug=")));
+                if !off {
+                    self.emit("--debug=", Some(view.into()));
                 }
             }
-            Effect::Search => match value {
-                Some(path) if is_wad(&path) => {
-                    self.out.push("--wad".into());
-                    self.out.push(path);
-                }
-                _ => self.ignore(text, "folders are not searched; name a .wad file"),
-            },
+            Effect::Search => {
+                let path = value.unwrap_or_default();
+                self.out.push(if is_wad(&path) { "--wad" } else { "--path" }.into());
+                self.out.push(path);
+            }
             Effect::Threads => {
                 self.out.retain(|t| !t.to_str().is_some_and(|t| t.starts_with("--threads=")));
                 if let Some(count @ 1.0..) = value_number {

@@ -1,6 +1,6 @@
 //! The options of ericw-tools `light` (contract sections 9.2 and 9.3), one row each.
 
-use Effect::{Bounces, ColourScale, Help, Ignored, Key, Own, Search, Threads};
+use Effect::{Bounces, Help, Ignored, Key, Off, Own, Search, Threads, View};
 use Values::{Number, OptionalNumber, Switch, Text, UpToThree, Vector, Word};
 
 /// What may or must follow an option.
@@ -31,11 +31,13 @@ pub enum Effect {
     Own(&'static str, &'static str),
     /// Nothing, for this reason.
     Ignored(&'static str),
+    /// Sets the worldspawn key of this name to 0.
+    Off(&'static str),
+    /// This view: `--debug`.
+    View(&'static str),
     /// The most bounces: `--bounces`.
     Bounces,
-    /// 0 is `--grey`, 1 is what `qrad` always does.
-    ColourScale,
-    /// `--wad` for WAD files.
+    /// `--wad` for WAD files, `--path` for folders.
     Search,
     /// `--threads`, where 0 is all cores.
     Threads,
@@ -59,9 +61,10 @@ const fn row(names: &'static [&'static str], values: Values, effect: Effect) -> 
 }
 
 const SUPERSAMPLING: &str = "supersampling is not built yet";
-const DEBUG: &str = "this debug picture is not built yet";
+const NO_DUMP: &str =
+    "single faces are not printed; --dump-lightmaps shows every face by its number";
 const LOG_FILE: &str = "qrad writes no log file";
-const GAME: &str = "qrad needs no game folder; --wad names texture files";
+const GAME: &str = "qrad needs no game folder; --wad and --path name textures";
 
 /// Every option, in the order of the contract.
 pub const OPTIONS: &[LegacyOption] = &[
@@ -76,8 +79,8 @@ pub const OPTIONS: &[LegacyOption] = &[
     row(&["minlight_mottle", "minlightMottle"], OptionalNumber, Key),
     row(&["maxlight"], Number, Key),
     row(&["spotlightautofalloff"], Switch, Key),
-    row(&["compilerstyle_start"], Number, Ignored("switchable lights have styles 32 to 63")),
-    row(&["compilerstyle_max"], Number, Ignored("switchable lights have styles 32 to 63")),
+    row(&["compilerstyle_start"], Number, Key),
+    row(&["compilerstyle_max"], Number, Key),
     row(&["dirt", "dirty"], Switch, Key),
     row(&["dirtmode"], Number, Key),
     row(&["dirtdepth"], Number, Key),
@@ -90,9 +93,10 @@ pub const OPTIONS: &[LegacyOption] = &[
     row(&["phong"], Switch, Key),
     row(&["phong_angle"], Number, Key),
     row(&["bounce"], OptionalNumber, Bounces),
-    row(&["bouncestyled"], Switch, Ignored("light of every style bounces")),
-    row(&["bouncescale"], Number, Own("reflectance-scale", "")),
-    row(&["bouncecolorscale"], Number, ColourScale),
+    row(&["bouncestyled"], Switch, Key),
+    row(&["nobouncestyled"], Switch, Off("bouncestyled")),
+    row(&["bouncescale"], Number, Key),
+    row(&["bouncecolorscale"], Number, Key),
     row(&["bouncelightsubdivision"], Number, Ignored("--patch-size says how finely light bounces")),
     row(&["surflightscale"], Number, Key),
     row(&["surflightskyscale"], Number, Key),
@@ -126,6 +130,7 @@ pub const OPTIONS: &[LegacyOption] = &[
         Word(&["auto", "none", "vis", "rays"]),
         Ignored("qrad needs no culling hints"),
     ),
+    row(&["novisapprox"], Switch, Ignored("qrad needs no culling hints")),
     row(&["threads"], Number, Threads),
     row(&["lowpriority"], Switch, Ignored("qrad leaves its priority to the system")),
     // Outputs.
@@ -142,13 +147,9 @@ pub const OPTIONS: &[LegacyOption] = &[
     row(&["litonly"], Switch, Own("litonly", "the map itself is always lit so far")),
     row(&["onlyents"], Switch, Own("onlyents", "the map is always lit as a whole so far")),
     row(&["nolights"], Switch, Key),
-    row(
-        &["nolighting"],
-        Switch,
-        Own("nolighting", "maps for renderers without lightmaps are not built yet"),
-    ),
+    row(&["nolighting"], Switch, Key),
     row(&["facestyles"], Number, Own("facestyles", "more than 4 styles a face are not built yet")),
-    row(&["lightmap_scale"], Number, Key),
+    row(&["lightmap_scale", "lmscale"], Number, Key),
     row(&["lmshift"], Number, Own("lmshift", "a luxel size for single faces is not built yet")),
     row(
         &["world_units_per_luxel"],
@@ -160,28 +161,34 @@ pub const OPTIONS: &[LegacyOption] = &[
     row(&["lightgrid_format"], Word(&["octree", "lightgrids"]), Key),
     row(&["lightgrid_force"], Switch, Key),
     row(&["wrnormals"], Switch, Own("wrnormals", "")),
-    row(&["exportobj"], Switch, Own("exportobj", ".obj files are not built yet")),
-    row(
-        &["surflight_dump"],
-        Switch,
-        Own("surflight-dump", "maps of surface lights are not built yet"),
-    ),
-    row(&["radlights"], Text, Own("radlights", ".rad files are not built yet")),
+    row(&["exportobj"], Switch, Own("exportobj", "")),
+    row(&["surflight_dump"], Switch, Own("surflight-dump", "")),
+    row(&["radlights"], Text, Own("radlights", "")),
     row(&["arghradcompat"], Switch, Ignored("it is for Quake II")),
     row(&["q2rtx"], Switch, Ignored("it is for Quake II")),
     // Debug pictures.
-    row(&["dirtdebug", "debugdirt"], Switch, Own("dirtdebug", DEBUG)),
-    row(&["phongdebug"], Switch, Own("phongdebug", DEBUG)),
-    row(&["phongdebug_obj"], Switch, Own("phongdebug-obj", DEBUG)),
-    row(&["bouncedebug"], Switch, Own("bouncedebug", DEBUG)),
-    row(&["bouncelightsdebug"], Switch, Own("bouncelightsdebug", DEBUG)),
-    row(&["debugoccluded"], Switch, Own("debugoccluded", DEBUG)),
-    row(&["debugneighbours"], Switch, Own("debugneighbours", DEBUG)),
-    row(&["debugmottle"], Switch, Own("debugmottle", DEBUG)),
-    row(&["debug_lightgrid_octree"], Switch, Own("debug-lightgrid-octree", DEBUG)),
-    row(&["debugface"], Vector, Own("debugface", DEBUG)),
-    row(&["debugvert"], Vector, Own("debugvert", DEBUG)),
-    row(&["highlightseams"], Switch, Own("highlightseams", DEBUG)),
+    row(&["dirtdebug", "debugdirt"], Switch, View("dirt")),
+    row(&["phongdebug"], Switch, View("phong")),
+    row(&["phongdebug_obj"], Switch, Own("phongdebug-obj", "")),
+    row(&["bouncedebug"], Switch, View("bounce")),
+    row(&["bouncelightsdebug"], Switch, View("bounce-lights")),
+    row(&["debugoccluded"], Switch, View("occluded")),
+    row(
+        &["debugneighbours"],
+        Switch,
+        Ignored(
+            "luxels that lie on other faces are not marked; -debugoccluded marks those in solid",
+        ),
+    ),
+    row(&["debugmottle"], Switch, View("mottle")),
+    row(
+        &["debug_lightgrid_octree"],
+        Switch,
+        Own("debug-lightgrid-octree", "the tree of a light grid is not printed"),
+    ),
+    row(&["debugface"], Vector, Ignored(NO_DUMP)),
+    row(&["debugvert"], Vector, Ignored(NO_DUMP)),
+    row(&["highlightseams"], Switch, Ignored("seams are not marked; --dump-lightmaps shows them")),
     // Messages.
     row(&["log"], Switch, Ignored(LOG_FILE)),
     row(&["nolog"], Switch, Ignored(LOG_FILE)),
@@ -201,9 +208,5 @@ pub const OPTIONS: &[LegacyOption] = &[
     row(&["filepriority"], Word(&["loose", "archive"]), Ignored(GAME)),
     row(&["defaultpaths"], Switch, Ignored(GAME)),
     row(&["nodefaultpaths"], Switch, Ignored(GAME)),
-    row(
-        &["tex_saturation_boost"],
-        Number,
-        Own("tex-saturation-boost", "textures reflect their mean colour as it is so far"),
-    ),
+    row(&["tex_saturation_boost"], Number, Key),
 ];

@@ -53,6 +53,7 @@ mod tests {
 
     fn light(brightness: f32, attenuation: Attenuation) -> Light {
         Light {
+            bounce_scale: 1.0,
             origin: Vec3::ZERO,
             brightness,
             colour: Vec3::splat(255.0),

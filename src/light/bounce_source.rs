@@ -1,23 +1,27 @@
 //! Direct light as patches take it up.
 
-use super::{DirectLight, StyleLight};
+use super::{DirectLight, StyleLight, accumulate};
 use crate::photometry::Irradiance;
 use crate::scene::Sample;
 use std::borrow::Cow;
 
-/// Direct light of a surface at its luxels, `width` in a row, as it bounces: without the excess that
-/// copies of surface lights give right in front of their surface, and averaged over the `extra` x
-/// `extra` samples of each luxel, those inside solid left out.
+/// Direct light of a surface at its luxels, `width` in a row, as it bounces: less what negative lights
+/// take away, which may leave less than none; without the excess that copies of surface lights give
+/// right in front of their surface; with the `bouncescale` of each light; and averaged over the `extra`
+/// x `extra` samples of each luxel, those inside solid left out.
 pub fn bounce_source<'a>(
     direct: &'a DirectLight,
     samples: &[Sample],
     width: u32,
     extra: u32,
 ) -> Cow<'a, [StyleLight]> {
-    if direct.excess.is_empty() && extra == 1 {
+    if direct.excess.is_empty() && direct.negative.is_empty() && extra == 1 {
         return Cow::Borrowed(&direct.styles);
     }
     let mut styles = direct.styles.clone();
+    for negative in &direct.negative {
+        accumulate(&mut styles, negative);
+    }
     for excess in &direct.excess {
         for light in styles.iter_mut().filter(|s| s.style == excess.style) {
             for (e, more) in light.irradiance.iter_mut().zip(&excess.irradiance) {

@@ -52,6 +52,11 @@ impl FaceDirt {
         Self { occlusion, gain: settings.gain, scale: settings.scale }
     }
 
+    /// Share of light that dirt leaves at a sample by the settings of the map, 0 to 1.
+    pub(crate) fn share_left(&self, sample: usize) -> f32 {
+        self.factor(sample, &DirtKeys::plain(true), 0.0)
+    }
+
     /// Share of the light of a consumer that dirt leaves at a sample, 0 to 1. `distance` is that of
     /// the light, in world units; 0 for light without a place.
     pub(crate) fn factor(&self, sample: usize, keys: &DirtKeys, distance: f32) -> f32 {

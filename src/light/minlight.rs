@@ -178,7 +178,7 @@ fn map_of(maps: &mut Vec<StyleLight>, style: u16, samples: usize) -> &mut StyleL
 
 /// Smooth noise from 0 to [`MOTTLE`] that depends on the place in the world only: values at the
 /// corners of cells, blended linearly.
-fn mottle(p: Vec3) -> f32 {
+pub(crate) fn mottle(p: Vec3) -> f32 {
     let cell = (p / MOTTLE_CELL).floor();
     let f = p / MOTTLE_CELL - cell;
     let mut sum = 0.0;

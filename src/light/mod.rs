@@ -18,7 +18,7 @@ pub use bounce_source::bounce_source;
 pub use directions::{Directions, StyleDirections, strength};
 pub use dirt::FaceDirt;
 pub use minlight::Probe;
-pub(crate) use minlight::wants_probe;
+pub(crate) use minlight::{mottle, wants_probe};
 pub(crate) use probe::{SIDES, place as probe_place, probe, probe_sides};
 
 use crate::photometry::Irradiance;
@@ -40,10 +40,11 @@ pub struct StyleLight {
 pub struct DirectLight {
     /// Light by style, in the order in which the styles first lit the surface; never all zero.
     pub styles: Vec<StyleLight>,
-    /// What negative lights take away, as negative irradiance. It is to be added last, after
-    /// bounced and minimum light, and the sum then limited to 0 and up.
+    /// What negative lights take away, as negative irradiance. It bounces like other light, and is to
+    /// be added last, after bounced and minimum light, and the sum then limited to 0 and up.
     pub negative: Vec<StyleLight>,
-    /// Part of `styles` that does not bounce: see [`bounce_source`].
+    /// Part of `styles` and `negative` that does not bounce, below zero where more bounces than
+    /// arrives: see [`bounce_source`].
     pub excess: Vec<StyleLight>,
     /// Minimum light of local lights, which does not bounce. It is to be joined with the
     /// other direct light before bounced light is added.
@@ -106,12 +107,12 @@ pub fn direct_from(
     }
     for sun in &scene.suns {
         let styles = if sun.brightness > 0.0 { &mut result.styles } else { &mut result.negative };
-        let sums = (styles, &mut result.directions);
+        let sums = (styles, &mut result.excess, &mut result.directions);
         sun::light_surface(scene, sun, surface, points, &mut rays, sums);
     }
     for light in &scene.radiosity_lights {
         let receiver = (surface, &sphere);
-        let sums = (&mut result.styles, &mut result.directions);
+        let sums = (&mut result.styles, &mut result.excess, &mut result.directions);
         radiosity::light_surface(scene, light, receiver, points, &mut rays, sums);
     }
     result.local_minimum = minlight::local(scene, surface, points, &result.styles, &mut rays);
@@ -130,6 +131,9 @@ pub(crate) fn post(
     probe: Option<&Probe>,
     maps: &mut Vec<StyleLight>,
 ) -> bool {
+    if scene.world.no_lighting {
+        return false;
+    }
     minlight::global(scene, surface, (samples, &direct.dirt), maps);
     let free = minlight::automatic(surface, samples, probe, maps);
     for negative in &direct.negative {
@@ -227,9 +231,9 @@ fn light_surface(
             let way = light.origin - sample.position;
             directions.add(style, (i, samples.len()), way, arrival.colour);
             add(styles, style, samples.len(), i, arrival.colour);
-            let share = attenuation::excess(light, dist, away);
-            if share > 0.0 {
-                add(excess, style, samples.len(), i, arrival.colour * share);
+            let share = (1.0 - attenuation::excess(light, dist, away)) * light.bounce_scale;
+            if share != 1.0 {
+                add(excess, style, samples.len(), i, arrival.colour * (1.0 - share));
             }
         }
     }

@@ -22,7 +22,7 @@ pub(super) fn light_surface(
     (surface, sphere): (&Surface, &BoundingSphere),
     (samples, dirt): (&[Sample], &FaceDirt),
     rays: &mut LightRays<'_>,
-    (styles, directions): (&mut Vec<StyleLight>, &mut Directions),
+    (styles, excess, directions): (&mut Vec<StyleLight>, &mut Vec<StyleLight>, &mut Directions),
 ) {
     let (settings, dist) = (&scene.world.surflight, scene.world.dist);
     let least = if settings.quality == EmissiveQuality::High { 0.0 } else { LEAST };
@@ -41,6 +41,10 @@ pub(super) fn light_surface(
             let colour = arrival.colour * dirt.factor(i, &keys, 0.0);
             directions.add(light.style, (i, samples.len()), *point - sample.position, colour);
             add(styles, light.style, samples.len(), i, colour);
+            if light.bounce_scale != 1.0 {
+                let unsent = colour * (1.0 - light.bounce_scale);
+                add(excess, light.style, samples.len(), i, unsent);
+            }
         }
     }
 }

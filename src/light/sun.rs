@@ -37,7 +37,7 @@ pub(crate) fn light_surface(
     surface: &Surface,
     (samples, dirt): (&[Sample], &FaceDirt),
     rays: &mut LightRays<'_>,
-    (styles, directions): (&mut Vec<StyleLight>, &mut Directions),
+    (styles, excess, directions): (&mut Vec<StyleLight>, &mut Vec<StyleLight>, &mut Directions),
 ) {
     let behind = dot(sun.to_sun, surface.normal) < BEHIND;
     if behind && !surface.curved && !surface.two_sided || surface.channel_mask & 1 == 0 {
@@ -53,6 +53,10 @@ pub(crate) fn light_surface(
             let style = arrival.style_of(sun.style);
             directions.add(style, (i, samples.len()), sun.to_sun, arrival.colour);
             add(styles, style, samples.len(), i, arrival.colour);
+            if sun.bounce_scale != 1.0 {
+                let unsent = arrival.colour * (1.0 - sun.bounce_scale);
+                add(excess, style, samples.len(), i, unsent);
+            }
         }
     }
 }

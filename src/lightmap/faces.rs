@@ -70,7 +70,7 @@ fn add_directions(
     }
 }
 
-fn settings_of(scene: &Scene, surface: &Surface, choice: StyleChoice) -> FinishSettings {
+pub(super) fn settings_of(scene: &Scene, surface: &Surface, choice: StyleChoice) -> FinishSettings {
     let world = &scene.world;
     FinishSettings {
         range: world.range,
@@ -82,7 +82,7 @@ fn settings_of(scene: &Scene, surface: &Surface, choice: StyleChoice) -> FinishS
 }
 
 /// Gives each luxel's light to all its samples: bounced light varies little within a luxel.
-fn spread(light: &[Irradiance], width: u32, extra: u32) -> Vec<Irradiance> {
+pub(super) fn spread(light: &[Irradiance], width: u32, extra: u32) -> Vec<Irradiance> {
     let (width, extra) = (width as usize, extra as usize);
     let height = light.len() / width;
     (0..height * extra)

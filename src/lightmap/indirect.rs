@@ -166,7 +166,7 @@ impl Drawn<'_> {
             .par_iter_mut()
             .enumerate()
             .map_init(
-                || Gatherer::new(&scene.tracer, &patches.set, &self.delta, self.size),
+                || Gatherer::new(scene.bounce_tracer(), &patches.set, &self.delta, self.size),
                 |gatherer, (number, face)| {
                     let width = face.width;
                     let here: Vec<usize> =

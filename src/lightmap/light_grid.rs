@@ -109,7 +109,7 @@ fn points<const N: usize>(
     let chunks: Vec<Vec<GridPoint<N>>> = (0..count.div_ceil(CHUNK))
         .into_par_iter()
         .map_init(
-            || Gatherer::new(&scene.tracer, &patches.set, &kind.weights, kind.size),
+            || Gatherer::new(scene.bounce_tracer(), &patches.set, &kind.weights, kind.size),
             |gatherer, chunk| {
                 let members = chunk * CHUNK..((chunk + 1) * CHUNK).min(count);
                 let done = members.len() as u64;

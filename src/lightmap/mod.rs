@@ -1,6 +1,7 @@
 //! From patches back to luxels: indirect light, the stored levels, packing and pictures of them.
 
 mod atlas;
+mod debug;
 mod directions;
 mod faces;
 mod finish;
@@ -12,6 +13,7 @@ mod probes;
 mod vanilla;
 
 pub use atlas::dump;
+pub use debug::{DebugSources, DebugView, debug_faces};
 pub use directions::add_bounced_directions;
 pub use faces::finish_faces;
 pub use finish::{

@@ -46,7 +46,7 @@ pub fn probes(
                 .flatten()?;
             let mut styles = light::probe(scene, place);
             if !light.is_empty() {
-                let mut gatherer = Gatherer::new(&scene.tracer, &patches.set, &delta, size);
+                let mut gatherer = Gatherer::new(scene.bounce_tracer(), &patches.set, &delta, size);
                 bounced(&mut gatherer, place, light, &mut styles);
             }
             let mut levels: Probe =

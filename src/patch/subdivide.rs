@@ -38,6 +38,8 @@ pub struct Emission {
     pub style: u16,
     /// One entry a patch.
     pub exitance: Vec<Exitance>,
+    /// What counts of it where its light bounces: `exitance` with the `bouncescale` of the lights.
+    pub bouncing: Vec<Exitance>,
 }
 
 /// One block while it is being summed up.
@@ -65,21 +67,21 @@ impl MapPatches {
             .map(|(surface, samples)| Some(cut(surface, surface.luxels.as_ref()?, samples, size)))
             .collect();
         let mut patches = Self::default();
-        let mut divisions = vec![PolygonPatches::None; scene.tracer_surface.len()];
         let mut grids = Vec::with_capacity(faces.len());
         for (index, face) in faces.into_iter().enumerate() {
             patches.first.push(patches.surface.len() as u32);
             grids.push(face.map(|face| patches.add_face(scene, samples, index, face)));
         }
         patches.first.push(patches.surface.len() as u32);
-        for (polygon, &surface) in scene.tracer_surface.iter().enumerate() {
-            if scene.surfaces[surface as usize].reflects
-                && let Some(grid) = grids[surface as usize].take()
-                && !grid.blocks.is_empty()
-            {
-                divisions[polygon] = PolygonPatches::Grid(grid);
+        let divide = |surface: Option<u32>| {
+            let surface = surface.filter(|&s| scene.surfaces[s as usize].reflects);
+            // Slats of a fence share its patches.
+            match surface.and_then(|s| grids[s as usize].as_ref()) {
+                Some(grid) if !grid.blocks.is_empty() => PolygonPatches::Grid(grid.clone()),
+                _ => PolygonPatches::None,
             }
-        }
+        };
+        let divisions = scene.bounce_surfaces().map(divide).collect();
         patches.set.lookup = PatchLookup::new(divisions);
         patches
     }
@@ -133,12 +135,13 @@ impl MapPatches {
         for e in emitters {
             let i = styles.iter().position(|s| s.style == e.style).unwrap_or_else(|| {
                 let exitance = vec![Exitance::ZERO; self.surface.len()];
-                styles.push(Emission { style: e.style, exitance });
+                styles.push(Emission { style: e.style, bouncing: exitance.clone(), exitance });
                 styles.len() - 1
             });
             let patches = self.first[e.surface as usize]..self.first[e.surface as usize + 1];
             for patch in patches {
                 styles[i].exitance[patch as usize] += e.exitance;
+                styles[i].bouncing[patch as usize] += e.exitance * e.bounce_scale;
             }
         }
         styles

@@ -5,6 +5,7 @@ use super::transfers::Transfers;
 use crate::light::StyleLight;
 use crate::patch::{Emission, MapPatches};
 use crate::photometry::{Exitance, Irradiance, Reflectance};
+use crate::scene::BounceSettings;
 use glam::DVec3;
 use std::borrow::Cow;
 use std::collections::BTreeSet;
@@ -32,7 +33,8 @@ pub struct Bounced {
 }
 
 /// Solves each style: patches emit `emission`, reflect the mean of the direct light of their luxels
-/// (`direct`, for each surface), and then each other's light. `advance(n)` is told of every n styles done.
+/// (`direct`, for each surface), and then each other's light. Direct light may be below zero; so is what
+/// comes of it. `advance(n)` is told of every n styles done.
 pub fn bounce(
     patches: &MapPatches,
     transfers: &Transfers,
@@ -44,26 +46,64 @@ pub fn bounce(
     let reflectance: Vec<Reflectance> = patches.set.patches.iter().map(|p| p.reflectance).collect();
     let mut bounced = Bounced::default();
     for style in styles(direct, emission) {
-        let arriving = patches.mean_irradiance(&luxels_of(direct, style));
+        let mut arriving = patches.mean_irradiance(&luxels_of(direct, style));
         let dark = vec![Exitance::ZERO; reflectance.len()];
-        let emitted = emission.iter().find(|e| e.style == style).map_or(&dark, |e| &e.exitance);
+        let own = emission.iter().find(|e| e.style == style);
+        // Emission that bounces by another factor than it shines with is direct light that happens to
+        // come from patches.
+        let apart = own.filter(|e| e.exitance != e.bouncing);
+        if let Some(emission) = apart {
+            for (sum, e) in arriving.iter_mut().zip(received(transfers, &emission.bouncing)) {
+                *sum += e;
+            }
+        }
+        let emitted = own.filter(|_| apart.is_none()).map_or(&dark, |e| &e.exitance);
         let sources = Sources { emission: emitted, direct: &arriving };
-        let solution = solve(transfers, &reflectance, sources, limits);
+        let mut solution = solve(transfers, &reflectance, sources, limits);
+        for (m, e) in solution.exitance.iter_mut().zip(apart.iter().flat_map(|a| &a.exitance)) {
+            *m += *e;
+        }
         bounced.bounces = bounced.bounces.max(solution.passes);
         bounced.residual = bounced.residual.max(solution.residual);
         advance(1);
         if solution.exitance.iter().all(|m| *m == Exitance::ZERO) {
             continue;
         }
-        let exitance: Vec<DVec3> = solution.exitance.iter().map(|m| m.0.as_dvec3()).collect();
-        let received = transfers.gather(&exitance);
         bounced.styles.push(PatchLight {
             style,
+            irradiance: received(transfers, &solution.exitance),
             exitance: solution.exitance,
-            irradiance: received.into_iter().map(|e| Irradiance(e.as_vec3())).collect(),
         });
     }
     bounced
+}
+
+/// Direct light as the keys of worldspawn let it bounce: `bouncescale` and `bouncestyled`.
+pub fn ruled<'a>(light: Cow<'a, [StyleLight]>, rules: &BounceSettings) -> Cow<'a, [StyleLight]> {
+    let kept = |style: u16| style == 0 || rules.styled;
+    if rules.scale == 1.0 && light.iter().all(|l| kept(l.style)) {
+        return light;
+    }
+    let mut light = light.into_owned();
+    light.retain(|l| kept(l.style));
+    for e in light.iter_mut().flat_map(|l| &mut l.irradiance) {
+        *e = *e * rules.scale;
+    }
+    Cow::Owned(light)
+}
+
+/// The same for what patches emit: it shines in any case.
+pub fn rule_emission(emission: &mut [Emission], rules: &BounceSettings) {
+    for e in emission {
+        let scale = if e.style == 0 || rules.styled { rules.scale } else { 0.0 };
+        e.bouncing.iter_mut().for_each(|m| *m = *m * scale);
+    }
+}
+
+/// What the patches receive of each other's exitance.
+fn received(transfers: &Transfers, exitance: &[Exitance]) -> Vec<Irradiance> {
+    let exitance: Vec<DVec3> = exitance.iter().map(|m| m.0.as_dvec3()).collect();
+    transfers.gather(&exitance).into_iter().map(|e| Irradiance(e.as_vec3())).collect()
 }
 
 /// The styles that [`bounce`] solves.

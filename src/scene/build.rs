@@ -11,6 +11,7 @@ use super::materials::Materials;
 use super::minlight::Minlight;
 use super::models::{self, Model, ShadowClass};
 use super::neighbours::Neighbours;
+use super::obstacles::{Casters, is_fence};
 use super::overrides;
 use super::phong::{Smoothing, Wish};
 use super::rad;
@@ -25,15 +26,16 @@ use super::surface::{LuxelGrid, Role, Surface};
 use super::surface_lights::{self, Faces};
 use super::tracer::Tracer;
 use super::visibility::Visibility;
-use super::world::WorldSettings;
+use super::world::{WorldSettings, style_range};
 use crate::bsp::{Bsp, Entity, MipTex, TexInfo, normalise, parse_entities};
 use crate::{Error, Result};
 use glam::Vec3;
 
 /// Bit of the texinfo flags that says "no lightmap".
 const TEX_SPECIAL: i32 = 1;
-/// The most luxels that a map may have: some gigabytes of working memory, a hundred large maps.
-const LUXEL_LIMIT: u64 = 1 << 26;
+/// The most samples of luxels that a map may have: some gigabytes of working memory, a hundred large
+/// maps.
+const SAMPLE_LIMIT: u64 = 1 << 26;
 
 /// What the user chooses about the scene.
 #[derive(Clone, Debug)]
@@ -42,6 +44,9 @@ pub struct SceneSettings {
     pub reflectance_scale: f32,
     /// Every surface reflects 0.5, whatever its texture.
     pub grey: bool,
+    /// Where worldspawn has no `bouncecolorscale`, it is 0 as in the reference: all surfaces reflect
+    /// the same grey.
+    pub compat_bounce: bool,
     /// Pixels for textures that the BSP lacks, found by name in any case.
     pub textures: Vec<MipTex>,
     /// Surface lights are area light: the faces emit, no point lights are placed before them.
@@ -50,6 +55,8 @@ pub struct SceneSettings {
     pub overrides: Vec<(String, String)>,
     /// Luxel sizes other than the texture's.
     pub luxels: LuxelSettings,
+    /// Samples along the edge of a luxel: 1, 2 or 4.
+    pub extra: u32,
 }
 
 impl Default for SceneSettings {
@@ -57,10 +64,12 @@ impl Default for SceneSettings {
         Self {
             reflectance_scale: 1.0,
             grey: false,
+            compat_bounce: false,
             textures: Vec::new(),
             area_lights: false,
             overrides: Vec::new(),
             luxels: LuxelSettings::default(),
+            extra: 1,
         }
     }
 }
@@ -74,11 +83,13 @@ impl Scene {
     pub fn build(bsp: &Bsp, sidecar: Sidecar<'_>, settings: &SceneSettings) -> Result<Self> {
         let mut warnings = Vec::new();
         let mut entities = parse_entities(&bsp.entities)?;
-        normalise(&mut entities)?;
+        let styles = style_range(&bsp.entities, &settings.overrides)?;
+        normalise(&mut entities, styles)?;
         if entities.is_empty() {
             entities.push(Entity::default());
         }
         entities.extend(rad::entities(sidecar.rad.unwrap_or(""), &mut warnings));
+        entities.extend(parse_entities(sidecar.lights.unwrap_or("").as_bytes())?);
         let worldspawn = overrides::apply(&entities[0], &settings.overrides);
         // The world as a model has keys too.
         entities[0] = worldspawn.clone();
@@ -89,11 +100,12 @@ impl Scene {
         let solid = Solid::new(bsp, leaf_solid);
         let models = models::read(bsp, &entities, &mut warnings);
 
-        let materials = Materials::new(bsp, settings);
+        let materials = Materials::new(bsp, settings, &world.bounce);
         smooth_models(bsp, &models, &mut keys);
         let wanted = settings.luxels.clone().or_of_map(&worldspawn);
         let sizes = LuxelSizes::new(bsp, world.luxel_size, &wanted, &mut warnings);
         let mut faces = FaceReader::new(bsp, &models, &keys, &materials, (&world, sizes));
+        faces.samples_a_luxel = u64::from(settings.extra).pow(2);
         for face in 0..bsp.faces.len() {
             faces.read(face)?;
         }
@@ -101,8 +113,9 @@ impl Scene {
         let FaceReader {
             mut surfaces, shapes, luxel_maps, names, groups, wishes, emissive, ..
         } = faces;
-        materials
-            .warn(surfaces.iter().filter(|s| s.reflects).filter_map(|s| s.texture), &mut warnings);
+        // Fences may have no pixels that are seen.
+        let walls = surfaces.iter().filter(|s| s.reflects && s.role == Role::Solid);
+        materials.warn(walls.filter_map(|s| s.texture), &mut warnings);
 
         let smoothing = Smoothing::new(bsp, &shapes, &wishes);
         let mut drafts =
@@ -143,6 +156,14 @@ impl Scene {
         let (tracer, tracer_surface) = build_tracer(&surfaces);
         let is_sky = |&s: &u32| surfaces[s as usize].role == Role::Sky;
         let sky = Sky::new(tracer.polygons(), tracer_surface.iter().map(is_sky).collect());
+        let casters = Casters {
+            bsp,
+            surfaces: &surfaces,
+            names: &names,
+            models: &models,
+            textures: &settings.textures,
+        };
+        let obstacles = casters.obstacles(&tracer, &tracer_surface);
         let filters = Filters::new(bsp, &surfaces, &names, &models, settings, &mut warnings);
         Ok(Self {
             surfaces,
@@ -164,6 +185,7 @@ impl Scene {
             warnings,
             shapes,
             neighbours: Neighbours::new(bsp, &smoothing),
+            obstacles,
             smoothing,
             luxel_maps,
         })
@@ -216,7 +238,8 @@ struct FaceReader<'a> {
     groups: Vec<i32>,
     wishes: Vec<Wish>,
     emissive: Vec<SurflightKeys>,
-    luxel_count: u64,
+    samples_a_luxel: u64,
+    sample_count: u64,
     degenerate: Problem,
     bad_axes: Problem,
 }
@@ -252,7 +275,8 @@ impl<'a> FaceReader<'a> {
             groups: Vec::new(),
             wishes: Vec::new(),
             emissive: Vec::new(),
-            luxel_count: 0,
+            samples_a_luxel: 1,
+            sample_count: 0,
             degenerate: Problem::default(),
             bad_axes: Problem::default(),
         }
@@ -295,18 +319,21 @@ impl<'a> FaceReader<'a> {
             Some((grid, map, vanilla)) => (Some(grid), Some(map), vanilla),
             None => (None, None, None),
         };
-        self.luxel_count += luxels.as_ref().map_or(0, |g| g.len() as u64);
-        if self.luxel_count > LUXEL_LIMIT {
+        let count = luxels.as_ref().map_or(0, |g| g.len() as u64);
+        self.sample_count += count * self.samples_a_luxel;
+        if self.sample_count > SAMPLE_LIMIT {
             return Err(Error::Limit {
-                what: format!("number of luxels up to face {face}"),
-                value: self.luxel_count,
-                limit: LUXEL_LIMIT,
-                advice: "raise worldspawn _lightmap_scale",
+                what: format!("number of samples of luxels up to face {face}"),
+                value: self.sample_count,
+                limit: SAMPLE_LIMIT,
+                advice: "raise worldspawn _lightmap_scale, or use --extra or neither instead of --extra4",
             });
         }
         let texture = texinfo.and_then(|t| u32::try_from(t.miptex).ok());
-        let reflects =
-            role == Role::Solid && luxels.is_some() && !keys.no_bounce && !name.starts_with('*');
+        let no_bounce = keys.no_bounce || model.is_some_and(|m| m.no_bounce);
+        // Fences among the filters: slats stand for them, see `obstacles`.
+        let blocks = role == Role::Solid || is_fence(&name, (role, alpha, mask), model);
+        let reflects = blocks && luxels.is_some() && !no_bounce && !name.starts_with('*');
         let special = texinfo.is_none_or(|t| t.flags & TEX_SPECIAL != 0);
         let wish = Wish::new(keys, special);
         self.surfaces.push(Surface {

@@ -9,7 +9,8 @@ impl Scene {
     /// the plane across the normal, as FTE makes them where a map does not tell.
     pub fn corner_frames(&self, face: usize) -> impl Iterator<Item = [Vec3; 3]> + '_ {
         let surface = &self.surfaces[face];
-        let smooth = self.smoothing.corners(face).filter(|_| self.world.phong);
+        let smooth =
+            Some(self.smoothing.corner_normals(face)).filter(|n| !n.is_empty() && self.world.phong);
         let frame = |normal: Vec3| {
             let [s, t] = surface.texture_axes;
             let across = |axis: Vec3| {

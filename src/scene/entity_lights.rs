@@ -107,7 +107,11 @@ pub(crate) fn read(
     if world.no_lights {
         return drafts;
     }
-    for (index, entity) in entities.iter().enumerate().filter(|(_, e)| is_light(e)) {
+    let shines = |e: &Entity| {
+        let styled = || ["style", "switchshadstyle"].iter().any(|k| e.setting(k).is_some());
+        is_light(e) && (!world.no_lighting || styled())
+    };
+    for (index, entity) in entities.iter().enumerate().filter(|(_, e)| shines(e)) {
         let mut reader = Reader { entity, bsp, textures, place: String::new(), warnings };
         let origin = entity.setting("origin").and_then(keys::vector).unwrap_or(Vec3::ZERO);
         reader.place = format!("light at {} {} {}", origin.x, origin.y, origin.z);
@@ -201,6 +205,7 @@ impl Reader<'_> {
                     .setting("shadow_channel_mask")
                     .map_or(channel_mask, keys::integer),
                 dirt: DirtKeys::read(self.entity, &world.dirt),
+                bounce_scale: self.number("bouncescale").unwrap_or(1.0).max(0.0),
                 entity: index,
             },
             template: self.template(world),
@@ -384,6 +389,7 @@ fn sky_source(draft: &Draft, entities: &[Entity], warnings: &mut Vec<String>) ->
             angle_scale: light.angle_scale,
             style: light.style,
             dirt: sky.dirt,
+            bounce_scale: light.bounce_scale,
             sky_texture: sky.texture,
         },
     })

@@ -66,6 +66,8 @@ pub struct Light {
     pub shadow_mask: i32,
     /// What it asks of dirt.
     pub dirt: DirtKeys,
+    /// Factor on its light where it bounces (`bouncescale`), 0 and up.
+    pub bounce_scale: f32,
     /// For copies of surface lights: radius of a disc as large as the piece of surface that the copy
     /// stands for, in world units; 0 for others. Nearer, a point light is no likeness of it.
     pub piece_radius: f32,

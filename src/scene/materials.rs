@@ -1,6 +1,6 @@
-//! Reflectance of surfaces, from the textures (contract section 8.2, but neither truncated nor mixed
-//! with grey).
+//! Reflectance of surfaces, from the textures (contract section 8.2, but not truncated).
 
+use super::bounce_keys::BounceSettings;
 use super::build::SceneSettings;
 use crate::bsp::{Bsp, MipTex, average_colour};
 use crate::photometry::Reflectance;
@@ -9,6 +9,8 @@ use std::collections::BTreeSet;
 
 /// Reflectance where the texture is unknown.
 const GREY: f32 = 0.5;
+/// What is mixed with the colour of a texture, and all that the reference has by default.
+const COMPAT_GREY: f32 = 127.0 / 255.0;
 /// The most that a surface may reflect: at 1 light in a closed room would never die away.
 const LIMIT: f32 = 0.99;
 
@@ -23,9 +25,11 @@ pub(crate) struct Materials {
 
 impl Materials {
     /// Averages the textures of the BSP, or their replacements of the same name.
-    pub fn new(bsp: &Bsp, settings: &SceneSettings) -> Self {
+    pub fn new(bsp: &Bsp, settings: &SceneSettings, bounce: &BounceSettings) -> Self {
+        let share = bounce.colour_share.unwrap_or(if settings.compat_bounce { 0.0 } else { 1.0 });
         let scaled = |colour: Vec3| {
-            let colour = if settings.grey { Vec3::splat(GREY) } else { colour };
+            let mixed = Vec3::splat(COMPAT_GREY).lerp(colour, share);
+            let colour = if settings.grey { Vec3::splat(GREY) } else { mixed };
             colour * settings.reflectance_scale
         };
         let limited = |scaled: Vec3| Reflectance(scaled.clamp(Vec3::ZERO, Vec3::splat(LIMIT)));
@@ -42,7 +46,7 @@ impl Materials {
                     (None, Some(t)) => Some(t.name.clone()),
                     (None, None) => Some("(absent from the BSP)".to_owned()),
                 });
-                let colour = colour.unwrap_or(Vec3::splat(GREY));
+                let colour = colour.map_or(Vec3::splat(GREY), |c| saturated(c, bounce.saturation));
                 colours.push(colour);
                 let scaled = scaled(colour);
                 too_bright.push(scaled.max_element() > LIMIT);
@@ -84,6 +88,12 @@ impl Materials {
             ));
         }
     }
+}
+
+/// A colour pushed away from grey: mixed with twice its square, which is dimmed to at most 1.
+fn saturated(colour: Vec3, share: f32) -> Vec3 {
+    let square = colour * colour * 2.0;
+    colour.lerp(square / square.max_element().max(1.0), share)
 }
 
 /// Mean colour of a texture in 0 to 1, from its own pixels or those of its replacement.

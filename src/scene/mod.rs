@@ -1,10 +1,12 @@
 //! What light needs of a map: surfaces with materials, the ray tracer, the lights and the luxels.
 
+mod bounce_keys;
 mod build;
 mod corner_frames;
 mod dirt;
 mod entity_lights;
 pub(crate) mod exact;
+pub mod export;
 mod filter;
 mod first_hit;
 mod hull;
@@ -19,6 +21,7 @@ mod materials;
 mod minlight;
 mod models;
 mod neighbours;
+mod obstacles;
 mod overrides;
 mod phong;
 mod projection;
@@ -43,6 +46,8 @@ mod wide_tree;
 mod winding;
 mod world;
 
+pub(crate) use bounce_keys::ALL_BOUNCES;
+pub use bounce_keys::BounceSettings;
 pub use build::SceneSettings;
 pub use dirt::{DirtKeys, DirtSettings};
 pub use filter::Filters;
@@ -65,7 +70,7 @@ pub use surface_lights::Emitter;
 pub use tracer::{Hit, Node, Polygon, Tracer};
 pub(crate) use umbra::{Bounds, Umbra};
 pub use visibility::{Reach, Visibility};
-pub use world::WorldSettings;
+pub use world::{WorldSettings, style_range};
 
 /// A map made ready for light. Nothing in it changes while the map is lit, so faces can be lit in
 /// parallel from one shared scene.
@@ -104,8 +109,16 @@ pub struct Scene {
     pub solid: Solid,
     /// What is odd about the map, one sentence each.
     pub warnings: Vec<String>,
+    obstacles: Option<obstacles::Obstacles>,
     shapes: Vec<shape::Shape>,
     neighbours: neighbours::Neighbours,
     smoothing: phong::Smoothing,
     luxel_maps: Vec<Option<shape::LuxelMap>>,
+}
+
+impl Scene {
+    /// Smoothed unit normals at the corners of a surface; empty where it is flat.
+    pub fn corner_normals(&self, surface: usize) -> &[glam::Vec3] {
+        self.smoothing.corner_normals(surface)
+    }
 }

@@ -47,6 +47,8 @@ pub struct Model {
     pub colour_scale: Option<f32>,
     /// Whether its faces get no dirt, if the entity says so.
     pub no_dirt: Option<bool>,
+    /// Its faces send no light back (`_bounce -1`).
+    pub no_bounce: bool,
     /// Smoothing angle in degrees for all its faces; 0 leaves them as they are.
     pub phong_angle: f32,
     /// Minimum light of its faces, in light units, if the entity gives it.
@@ -88,6 +90,7 @@ impl Model {
             max_light: None,
             colour_scale: None,
             no_dirt: None,
+            no_bounce: false,
             phong_angle: 0.0,
             minlight: None,
             minlight_colour: None,
@@ -198,6 +201,7 @@ fn brush_model(
         max_light: number("maxlight"),
         colour_scale: number("lightcolorscale"),
         no_dirt: number("dirt").map(|v| v == -1.0),
+        no_bounce: number("bounce") == Some(-1.0),
         phong_angle: whole_angle(match number("phong_angle") {
             Some(angle) if angle != 0.0 => angle,
             _ if on("phong") => DEFAULT_ANGLE,

@@ -72,9 +72,9 @@ impl Smoothing {
         self.partners.get(face as usize).is_some_and(|p| p.binary_search(&other).is_ok())
     }
 
-    /// Normals at the corners of a face; `None` for a flat one.
-    pub fn corners(&self, face: usize) -> Option<&[Vec3]> {
-        self.normals.get(face).map(|normals| &normals[..]).filter(|normals| !normals.is_empty())
+    /// Normals at the corners of a face; empty where it is flat.
+    pub fn corner_normals(&self, face: usize) -> &[Vec3] {
+        self.normals.get(face).map_or(&[], Vec::as_slice)
     }
 
     /// Normal over a point of a face, not brought back to unit length, as the reference has it;

@@ -104,6 +104,8 @@ pub struct RadiosityLight {
     pub all_around: bool,
     /// Scale on distances.
     pub attenuation: f32,
+    /// Factor on its light where it bounces (`bouncescale`), 0 and up.
+    pub bounce_scale: f32,
 }
 
 /// What surface lights need of a face besides [`Faces`].
@@ -128,7 +130,7 @@ pub(crate) fn build(
         .filter_map(|d| Some((d, d.template.as_ref().filter(|t| t.radiosity)?)))
         .map(|(d, t)| (d, t.texture.to_ascii_lowercase()))
         .collect();
-    let mut styles = Styles::new(emissive.entities);
+    let mut styles = Styles::new(emissive.entities, emissive.world.styles.first);
     for (face, name) in faces.names.iter().enumerate().filter(|(_, n)| *n != "trigger") {
         for (draft, texture) in &templates {
             let template = draft.template.as_ref().expect("only templates are listed");
@@ -212,6 +214,7 @@ fn light(
         rescale: keys.rescale.unwrap_or(!template.is_sky),
         all_around: template.all_around,
         attenuation: keys.attenuation.unwrap_or(1.0),
+        bounce_scale: draft.light.bounce_scale,
     })
 }
 
@@ -248,15 +251,16 @@ struct Styles {
 }
 
 impl Styles {
-    fn new(entities: &[Entity]) -> Self {
+    fn new(entities: &[Entity], first: u16) -> Self {
         let mut known = Vec::new();
-        let mut next = 32;
+        let mut next = first;
         for entity in entities {
             let style = entity.get("style").or(entity.get("switchshadstyle")).map(keys::integer);
             let name = entity.get("targetname").unwrap_or("");
-            if let Some(style @ 32..=254) = style.filter(|_| !name.is_empty()) {
-                known.push((name.to_owned(), style as u16));
-                next = next.max(style as u16 + 1);
+            let style = style.and_then(|s| u16::try_from(s).ok()).filter(|s| *s >= first);
+            if let Some(style) = style.filter(|_| !name.is_empty()) {
+                known.push((name.to_owned(), style));
+                next = next.max(style.saturating_add(1));
             }
         }
         Self { known, next }
@@ -267,7 +271,7 @@ impl Styles {
             return *style;
         }
         let style = self.next;
-        self.next += 1;
+        self.next = self.next.saturating_add(1);
         self.known.push((name.to_owned(), style));
         style
     }
@@ -282,7 +286,7 @@ mod tests {
         let mut entity = Entity::default();
         entity.set("targetname", "a");
         entity.set("style", "33");
-        let mut styles = Styles::new(&[entity]);
+        let mut styles = Styles::new(&[entity], 32);
         assert_eq!(
             [styles.of("a"), styles.of("b"), styles.of("b"), styles.of("c")],
             [33, 34, 34, 35]

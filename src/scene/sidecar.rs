@@ -11,8 +11,10 @@ pub struct Sidecar<'a> {
     pub texinfo: Option<&'a str>,
     /// `<map>.content.json`.
     pub content: Option<&'a str>,
-    /// `lights.rad` and `<map>.rad`, one after the other.
+    /// `.rad` files, one after the other.
     pub rad: Option<&'a str>,
+    /// Light entities that the map does not have itself, in the syntax of the entity lump.
+    pub lights: Option<&'a str>,
 }
 
 /// Keys of one texinfo; the defaults stand for "not given".

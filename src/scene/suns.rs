@@ -28,6 +28,8 @@ pub struct Sun {
     pub style: u16,
     /// Whether dirt darkens its light; `None` follows worldspawn `_dirt`.
     pub dirt: Option<bool>,
+    /// Factor on its light where it bounces (`bouncescale`), 0 and up.
+    pub bounce_scale: f32,
     /// Index of the only sky texture that lets its light through; `None` is any sky.
     pub sky_texture: Option<u32>,
 }
@@ -130,6 +132,7 @@ impl WorldSky<'_> {
             angle_scale: self.world.angle_scale,
             style: 0,
             dirt: dirt(self.entity, dirt_key),
+            bounce_scale: 1.0,
             sky_texture: None,
         }
     }

@@ -85,7 +85,7 @@ pub struct Surface {
     pub texture_axes: [Vec3; 2],
     /// Share of light it sends back, per channel; matters only where `reflects` is set.
     pub reflectance: Reflectance,
-    /// Sends light back: opaque, lightmapped and of a model that casts shadows.
+    /// Sends light back: opaque or a fence, lightmapped and of a model that casts shadows.
     pub reflects: bool,
     /// What it does to light.
     pub role: Role,

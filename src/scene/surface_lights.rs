@@ -19,6 +19,8 @@ pub struct Emitter {
     pub style: u16,
     /// Exitance, the same all over the surface.
     pub exitance: Exitance,
+    /// Factor on its light where it bounces (`bouncescale`), 0 and up.
+    pub bounce_scale: f32,
 }
 
 /// Pieces are not cut nearer than this to their end, in world units.
@@ -119,6 +121,7 @@ fn emitter(draft: &Draft, face: usize, texture_colour: Vec3) -> Emitter {
         surface: face as u32,
         style: draft.light.style,
         exitance: Exitance(colour * (draft.light.brightness * PI)),
+        bounce_scale: draft.light.bounce_scale,
     }
 }
 

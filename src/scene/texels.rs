@@ -52,6 +52,13 @@ impl Texels {
         (index != TRANSPARENT).then(|| colour(index))
     }
 
+    /// Share of the pixels that are not see-through, 0 to 1.
+    pub fn covered(&self) -> f32 {
+        let pixels = &self.pixels[..self.width as usize * self.height as usize];
+        let opaque = pixels.iter().filter(|&&p| p != TRANSPARENT).count();
+        opaque as f32 / pixels.len() as f32
+    }
+
     /// Colour of a pixel, 0 to 255; columns and rows wrap.
     pub fn pixel(&self, column: usize, row: usize) -> Vec3 {
         let (width, height) = (self.width as usize, self.height as usize);

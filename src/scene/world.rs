@@ -1,9 +1,12 @@
 //! Settings that the map's worldspawn makes for the whole scene (contract section 9.2).
 
+use super::bounce_keys::BounceSettings;
 use super::dirt::DirtSettings;
 use super::keys;
+use super::overrides;
 use super::radiosity_lights::SurflightSettings;
-use crate::bsp::Entity;
+use crate::Result;
+use crate::bsp::{Entity, StyleRange, parse_entities};
 use glam::Vec3;
 
 /// Worldspawn settings. Any of them may be spelled with leading underscores.
@@ -42,8 +45,15 @@ pub struct WorldSettings {
     pub phong: bool,
     /// Surface lights in the manner of radiosity.
     pub surflight: SurflightSettings,
+    /// `compilerstyle_start`, `compilerstyle_max`: the styles of switchable lights.
+    pub styles: StyleRange,
+    /// Bounced light.
+    pub bounce: BounceSettings,
     /// `nolights`: light entities do not shine, the suns of worldspawn do.
     pub no_lights: bool,
+    /// `nolighting`: of the light entities only those shine that have a `style` or switch a shadow, and
+    /// there is no minimum light.
+    pub no_lighting: bool,
     /// `_lightmap_scale`: world units (texels) between luxels, 16 by default.
     pub luxel_size: u32,
 }
@@ -67,7 +77,10 @@ impl Default for WorldSettings {
             dirt: DirtSettings::default(),
             phong: true,
             surflight: SurflightSettings::default(),
+            styles: StyleRange::default(),
+            bounce: BounceSettings::default(),
             no_lights: false,
+            no_lighting: false,
             luxel_size: 16,
         }
     }
@@ -107,8 +120,11 @@ impl WorldSettings {
         s.phong = world.setting("phong").is_none_or(keys::boolean);
         s.dirt = DirtSettings::read(world, &mut set);
         s.surflight = SurflightSettings::read(world, &mut set);
+        s.bounce = BounceSettings::read(world, &mut set);
         s.spotlight_auto_falloff = world.setting("spotlightautofalloff").is_some_and(keys::boolean);
         s.surface_light_mode = world.setting("surflight_radiosity").map_or(0, keys::integer);
+        s.styles = styles(world);
+        s.no_lighting = world.setting("nolighting").is_some_and(keys::boolean);
         s.no_lights = world.setting("nolights").is_some_and(keys::boolean);
         let luxel = world.setting("lightmap_scale").map_or(0, keys::integer);
         match u32::try_from(luxel) {
@@ -126,4 +142,28 @@ impl WorldSettings {
         }
         s
     }
+}
+
+/// The styles of switchable lights by the keys of worldspawn.
+fn styles(world: &Entity) -> StyleRange {
+    let style = |name: &str, default: u16| {
+        let given = world.setting(name).map(keys::integer);
+        given.map_or(default, |style| style.clamp(1, u16::MAX.into()) as u16)
+    };
+    let default = StyleRange::default();
+    StyleRange {
+        first: style("compilerstyle_start", default.first),
+        limit: style("compilerstyle_max", default.limit),
+    }
+}
+
+/// The styles that switchable lights get in a map with this entity text, where `overrides` are
+/// worldspawn keys and values that win over those of the map.
+///
+/// # Errors
+/// When the entity text is damaged.
+pub fn style_range(entities: &[u8], overrides: &[(String, String)]) -> Result<StyleRange> {
+    let entities = parse_entities(entities)?;
+    let world = entities.first().cloned().unwrap_or_default();
+    Ok(styles(&overrides::apply(&world, overrides)))
 }

@@ -35,7 +35,8 @@ impl Prepared {
         let samples: Vec<_> =
             (0..scene.surfaces.len()).map(|face| luxels::place(&scene, face, 1)).collect();
         let patches = MapPatches::new(&scene, &samples, settings.patch_size);
-        let transfers = Transfers::compute(&scene.tracer, &patches.set, settings.hemicube, |_| {});
+        let transfers =
+            Transfers::compute(scene.bounce_tracer(), &patches.set, settings.hemicube, |_| {});
         Self { scene, samples, patches, transfers, settings }
     }
 

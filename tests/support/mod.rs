@@ -3,6 +3,7 @@
 #![allow(dead_code)]
 
 pub mod lit_levels;
+pub mod lit_light;
 pub mod lit_map;
 pub mod lit_room;
 pub mod map_builder;
