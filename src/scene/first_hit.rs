@@ -1,13 +1,10 @@
 //! The first polygon that a ray meets, with the care for edges that [`super::shadow`] describes: a
 //! ray through the seam of two polygons meets one of them.
 
-use super::shadow::{BESIDE, Contact, ShadowRays, corners, meet};
+use super::shadow::{Contact, ShadowRays, corners, meet};
 use super::tie;
 use super::tracer::Hit;
 use glam::{DVec3, Vec3};
-
-/// Polygons met this much farther along a ray, relatively, are met at the same place.
-const SAME: f64 = 1.0 + 1e-9;
 
 /// Polygons that a ray meets: the nearest one that it meets inside, and those met before it at an
 /// edge.
@@ -40,32 +37,21 @@ impl ShadowRays<'_> {
         let mut meetings = self.meetings(start, way);
         self.last_first = meetings.inside.map(|m| m.1);
         meetings.edges.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-        let mut beside = None;
-        let mut first = meetings.inside;
-        for (i, &(t, polygon)) in meetings.edges.iter().enumerate() {
-            let beyond = meetings.edges[i + 1..].iter().chain(&meetings.inside).map(|m| m.0);
-            let next = beyond.filter(|b| *b > t * SAME).fold(f64::INFINITY, f64::min);
-            if tie::blocked_along(self.corners(polygon), from, direction, reach)
-                || tight
-                    && *beside.get_or_insert_with(|| self.beside(start, way)) < (t + next) * 0.5
-            {
-                first = Some((t, polygon));
-                break;
-            }
-        }
+        let edges = &meetings.edges;
+        let corners = |polygon| self.corners(polygon);
+        let tied = edges
+            .iter()
+            .copied()
+            .find(|&(_, polygon)| tie::blocked_along(corners(polygon), from, direction, reach));
+        let before = edges.iter().take_while(|e| tied.is_none_or(|t| e.0 < t.0)).map(|e| e.0);
+        let before: Vec<f64> = if tight { before.collect() } else { Vec::new() };
+        let seam =
+            if before.is_empty() { None } else { self.seam(start, way, &mut before.into_iter()) };
+        let first = seam
+            .and_then(|place| edges.iter().copied().find(|e| e.0 >= place))
+            .or(tied)
+            .or(meetings.inside);
         first.map(|(t, polygon)| Hit { polygon, distance: (t * f64::from(reach)) as f32 })
-    }
-
-    /// Where the last of the rays a hair beside a ray meets its first polygon.
-    fn beside(&mut self, start: DVec3, way: DVec3) -> f64 {
-        let (a, b) = way.normalize_or_zero().any_orthonormal_pair();
-        let mut last: f64 = 0.0;
-        for side in [a, -a, b, -b] {
-            let found = self.meetings(start + side * BESIDE, way);
-            let all = found.edges.iter().chain(&found.inside).map(|m| m.0);
-            last = last.max(all.fold(f64::INFINITY, f64::min));
-        }
-        last
     }
 
     fn meetings(&mut self, start: DVec3, way: DVec3) -> Meetings {

@@ -176,8 +176,7 @@ impl<'a> LightRays<'a> {
         let start = way.from.as_dvec3();
         let whole = way.direction.as_dvec3() * f64::from(way.reach);
         self.filters.crossings(start, whole, crossed);
-        let mut seam = None;
-        crossed.retain(|&(_, polygon, contact)| {
+        crossed.retain(|&(t, polygon, contact)| {
             contact == Contact::Inside
                 || tie::blocked_along(
                     self.filters.corners(polygon),
@@ -185,7 +184,7 @@ impl<'a> LightRays<'a> {
                     way.direction,
                     way.reach,
                 )
-                || *seam.get_or_insert_with(|| self.filters.blocked_beside(start, whole))
+                || self.filters.seam(start, whole, &mut std::iter::once(t)).is_some()
         });
         crossed.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
     }

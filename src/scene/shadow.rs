@@ -1,9 +1,9 @@
 //! Shadow rays: whether light gets from one point to another (contract section 7.3).
 //!
 //! Map geometry and luxels lie on whole numbers, so rays that meet the very edge of a face come in
-//! whole rows. Where every ray a hair beside such a ray is blocked, it runs through the seam of two
-//! faces and is blocked too. Otherwise it touches the rim of a solid, where either answer is right,
-//! and [`tie`] gives the reference's.
+//! whole rows. Where every ray a hair beside such a ray is blocked in the same place, it runs through
+//! the seam of two faces and is blocked too. Otherwise it touches the rim of a solid, where either
+//! answer is right, and [`tie`] gives the reference's.
 
 use super::tie;
 use super::tracer::Tracer;
@@ -13,7 +13,13 @@ use glam::{DVec3, Vec3};
 /// Barycentric distance to an edge, relative to the triangle, below which a ray meets the edge.
 const ON_EDGE: f64 = 1e-6;
 /// How far beside a ray its neighbours run, in world units.
-pub(super) const BESIDE: f64 = 1.0 / 512.0;
+const BESIDE: f64 = 1.0 / 512.0;
+/// How far apart along its way a ray and its neighbours may meet a surface that is closed around
+/// the ray, in world units. Surfaces seen more flatly than 1 in 32 count as open at their seams.
+const SAME_PLACE: f64 = 1.0 / 16.0;
+/// By how much the neighbours are turned about the ray, in radians: seams run along the axes, and
+/// neighbours must not meet edges themselves.
+const TURN: f64 = 0.4;
 
 /// No part of a ray is of interest any more.
 const STOP: f32 = -1.0;
@@ -27,8 +33,8 @@ pub struct ShadowRays<'a> {
     pub(super) last_before_sky: Option<u32>,
     /// Room for the walk through the tree.
     pub(super) stack: Vec<(f32, Child)>,
-    /// Polygons that the last ray met at an edge.
-    touched: Vec<u32>,
+    /// Where the last ray met polygons at an edge, and which.
+    touched: Vec<(f64, u32)>,
     pub(super) rays: u64,
 }
 
@@ -74,18 +80,38 @@ impl<'a> ShadowRays<'a> {
             Contact::Inside => true,
             Contact::Edge => {
                 let touched = std::mem::take(&mut self.touched);
-                let tied = touched.iter().any(|&p| tie::blocked(self.corners(p), from, to));
+                let tied = touched.iter().any(|&(_, p)| tie::blocked(self.corners(p), from, to));
+                let mut places = touched.iter().map(|m| m.0);
+                let blocked = tied || self.seam(start, way, &mut places).is_some();
                 self.touched = touched;
-                tied || self.blocked_beside(start, way)
+                blocked
             }
         }
     }
 
-    /// Whether the rays a hair beside a ray are all blocked.
-    pub(super) fn blocked_beside(&mut self, start: DVec3, way: DVec3) -> bool {
-        let (a, b) = way.normalize_or_zero().any_orthonormal_pair();
-        let mut blocked = |side: DVec3| self.contact(start + side * BESIDE, way) != Contact::None;
-        blocked(a) && blocked(-a) && blocked(b) && blocked(-b)
+    /// The first of the `places`, in lengths of a ray's way, at which the rays a hair beside it all
+    /// meet a polygon too: a seam of a closed surface.
+    pub(super) fn seam(
+        &mut self,
+        start: DVec3,
+        way: DVec3,
+        places: &mut dyn Iterator<Item = f64>,
+    ) -> Option<f64> {
+        let near = SAME_PLACE / way.length();
+        let (x, y) = way.normalize_or_zero().any_orthonormal_pair();
+        let (sin, cos) = TURN.sin_cos();
+        let (a, b) = (x * cos + y * sin, y * cos - x * sin);
+        let mut places: Vec<f64> = places.collect();
+        let reach = places.iter().copied().fold(0.0, f64::max) + near;
+        let mut found = Vec::new();
+        for side in [a, -a, b, -b] {
+            self.crossings(start + side * BESIDE, way * reach, &mut found);
+            places.retain(|p| found.iter().any(|m| (m.0 * reach - p).abs() <= near));
+            if places.is_empty() {
+                return None;
+            }
+        }
+        places.into_iter().reduce(f64::min)
     }
 
     /// Every polygon on the way 0 < t <= 1, in no order: where, which and how it is met.
@@ -121,10 +147,10 @@ impl<'a> ShadowRays<'a> {
             1.0,
             &mut self.stack,
             |polygon, surely| {
-                let contact = if surely {
-                    Contact::Inside
+                let (contact, t) = if surely {
+                    (Contact::Inside, 0.0)
                 } else {
-                    meet(corners(tracer, polygon), start, way).0
+                    meet(corners(tracer, polygon), start, way)
                 };
                 best = best.max(contact);
                 match contact {
@@ -132,7 +158,7 @@ impl<'a> ShadowRays<'a> {
                         self.last_blocker = Some(polygon);
                         return STOP;
                     }
-                    Contact::Edge => touched.push(polygon),
+                    Contact::Edge => touched.push((t, polygon)),
                     Contact::None => {}
                 }
                 1.0
