@@ -49,11 +49,32 @@ const TEXT_RESIDUAL: f64 = 1e-9;
 pub fn light_patches(scene: &TextScene, progress: &Progress) -> Result<(Transfers, Solution)> {
     let size = HemicubeSize::new(scene.hemicube[0], scene.hemicube[1])?;
     let patches = TextPatches::new(scene);
-    let transfers = {
+    let mut transfers = {
         let stage = progress.stage("form factors", patches.set.patches.len());
         Transfers::compute(&patches.tracer, &patches.set, size, |n| stage.advance(n))
     };
     let sources = Sources { emission: &patches.emission, direct: &[] };
+    if std::env::var("PLAIN").is_err() {
+        let get = |n: &str, d: f64| std::env::var(n).map_or(d, |v| v.parse().unwrap());
+        let t0 = std::time::Instant::now();
+        let first = solve(&transfers, &patches.reflectance(), sources, Limits { passes: Some(scene.passes.min(16)), residual: 1e-2 });
+        let (mut sum, mut areas) = (0.0, 0.0);
+        for ((m, e), p) in first.exitance.iter().zip(&patches.emission).zip(&patches.set.patches) {
+            sum += f64::from(p.area) * f64::from((m.0 - e.0).max_element());
+            areas += f64::from(p.area);
+        }
+        let mean = sum / areas;
+        let importance = radiosity::near_pairs::Importance {
+            exitance: first.exitance.iter().map(|m| f64::from(m.0.max_element()) / mean).collect(),
+            reflectance: patches.set.patches.iter().map(|p| f64::from(p.reflectance.0.max_element())).collect(),
+        };
+        let occluders = radiosity::visibility::Occluders::new(&patches.tracer);
+        let limits = radiosity::near_pairs::NearLimits { pair: get("PAIR", 1e-4), rays: get("RAYS", 64.0) as u32, points: 1 };
+        let near = radiosity::near_pairs::NearPairs::new(&patches.set, occluders, importance, limits, size.cells());
+        let t1 = std::time::Instant::now();
+        transfers.improve(&patches.tracer, &patches.set, size, &near);
+        eprintln!("prep {:?} improve {:?} occluders {}", t1 - t0, t1.elapsed(), near.occluders().is_empty());
+    }
     let limits = Limits { passes: Some(scene.passes), residual: TEXT_RESIDUAL };
     let solution = {
         let _stage = progress.stage("passes", scene.passes as usize);

@@ -1,5 +1,6 @@
 //! Sparse rows of form factors: which share of a patch's view each other patch fills.
 
+use super::near_pairs::{NearPairs, Work};
 use super::hemicube::{Cells, DeltaFormFactors, HemicubeSize, ItemBuffer, View};
 use crate::patch::{PatchId, PatchSet, PolygonPatches};
 use crate::scene::Tracer;
@@ -7,7 +8,7 @@ use glam::{DVec3, Vec3, Vec4};
 use rayon::prelude::*;
 
 /// Rows computed, and stored, as one piece.
-const CHUNK: usize = 256;
+const CHUNK: usize = 64;
 
 /// Form factors `F_ij`: the share of the hemisphere above patch i (cosine-weighted) in which patch j
 /// is seen from its front. Rows sum to 1 in a closed room.
@@ -59,6 +60,35 @@ impl Transfers {
             )
             .collect();
         Self { chunks }
+    }
+
+    /// Improves the rows.
+    pub fn improve(
+        &mut self,
+        tracer: &Tracer,
+        patches: &PatchSet,
+        size: HemicubeSize,
+        near: &NearPairs<'_>,
+    ) {
+        let _ = (tracer, patches, size);
+        self.chunks.par_iter_mut().enumerate().for_each_init(Work::default, |work, (number, chunk)| {
+            let mut rows = Chunk { openness: std::mem::take(&mut chunk.openness), ..Chunk::default() };
+            let mut from = 0;
+            let mut row = Vec::new();
+            for (k, &to) in chunk.ends.iter().enumerate() {
+                let to = to as usize;
+                row.clear();
+                row.extend((from..to).map(|c| (PatchId(chunk.columns[c]), f64::from(chunk.weights[c]))));
+                from = to;
+                near.improve(number * CHUNK + k, &mut row, work);
+                for &(j, f) in &row {
+                    rows.columns.push(j.0);
+                    rows.weights.push(f as f32);
+                }
+                rows.ends.push(rows.columns.len() as u32);
+            }
+            *chunk = rows;
+        });
     }
 
     /// Number of rows.
