@@ -65,11 +65,11 @@ pub fn light_patches(scene: &TextScene, progress: &Progress) -> Result<(Transfer
         }
         let mean = sum / areas;
         let importance = radiosity::near_pairs::Importance {
-            exitance: first.exitance.iter().map(|m| f64::from(m.0.max_element()) / mean).collect(),
+            exitance: first.exitance.iter().map(|m| (f64::from(m.0.max_element()) / mean).max(1.0)).collect(),
             reflectance: patches.set.patches.iter().map(|p| f64::from(p.reflectance.0.max_element())).collect(),
         };
         let occluders = radiosity::visibility::Occluders::new(&patches.tracer);
-        let limits = radiosity::near_pairs::NearLimits { pair: get("PAIR", 1e-4), rays: get("RAYS", 64.0) as u32, points: 1 };
+        let limits = radiosity::near_pairs::NearLimits { row: get("ROW", 2e-3), rays: get("RAYS", 1024.0) as u32, points: get("POINTS", 16.0) as u32 };
         let near = radiosity::near_pairs::NearPairs::new(&patches.set, occluders, importance, limits, size.cells());
         let t1 = std::time::Instant::now();
         transfers.improve(&patches.tracer, &patches.set, size, &near);

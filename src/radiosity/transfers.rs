@@ -8,7 +8,7 @@ use glam::{DVec3, Vec3, Vec4};
 use rayon::prelude::*;
 
 /// Rows computed, and stored, as one piece.
-const CHUNK: usize = 64;
+const CHUNK: usize = 32;
 
 /// Form factors `F_ij`: the share of the hemisphere above patch i (cosine-weighted) in which patch j
 /// is seen from its front. Rows sum to 1 in a closed room.
@@ -70,8 +70,10 @@ impl Transfers {
         size: HemicubeSize,
         near: &NearPairs<'_>,
     ) {
-        let _ = (tracer, patches, size);
-        self.chunks.par_iter_mut().enumerate().for_each_init(Work::default, |work, (number, chunk)| {
+        let part = |n: u32| (n / 8 * 2).max(n.min(32));
+        let size = HemicubeSize::new(part(size.width()), part(size.height())).expect("even");
+        let delta = DeltaFormFactors::new(size);
+        self.chunks.par_iter_mut().enumerate().for_each_init(|| (Work::default(), Gatherer::new(tracer, patches, &delta, size)), |(work, gatherer), (number, chunk)| {
             let mut rows = Chunk { openness: std::mem::take(&mut chunk.openness), ..Chunk::default() };
             let mut from = 0;
             let mut row = Vec::new();
@@ -80,7 +82,7 @@ impl Transfers {
                 row.clear();
                 row.extend((from..to).map(|c| (PatchId(chunk.columns[c]), f64::from(chunk.weights[c]))));
                 from = to;
-                near.improve(number * CHUNK + k, &mut row, work);
+                near.improve(number * CHUNK + k, &mut row, work, gatherer);
                 for &(j, f) in &row {
                     rows.columns.push(j.0);
                     rows.weights.push(f as f32);

@@ -33,6 +33,11 @@ impl Occluders {
         self.tracer.polygons().is_empty()
     }
 
+    /// The polygons.
+    pub fn polygons(&self) -> &[Polygon] {
+        self.tracer.polygons()
+    }
+
     /// Whether a point just in front of `from` sees one just in front of `to`. The points are
     /// already lifted off their surfaces.
     pub fn clear(&self, from: DVec3, to: DVec3) -> bool {
