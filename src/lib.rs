@@ -69,7 +69,7 @@ pub fn light_patches(scene: &TextScene, progress: &Progress) -> Result<(Transfer
             reflectance: patches.set.patches.iter().map(|p| f64::from(p.reflectance.0.max_element())).collect(),
         };
         let occluders = radiosity::visibility::Occluders::new(&patches.tracer);
-        let limits = radiosity::near_pairs::NearLimits { row: get("ROW", 2e-3), rays: get("RAYS", 1024.0) as u32, points: get("POINTS", 16.0) as u32 };
+        let limits = radiosity::near_pairs::NearLimits { row: get("ROW", 2e-3), rays: get("RAYS", 1024.0) as u32, points: get("POINTS", 64.0) as u32 };
         let near = radiosity::near_pairs::NearPairs::new(&patches.set, occluders, importance, limits, size.cells());
         let t1 = std::time::Instant::now();
         transfers.improve(&patches.tracer, &patches.set, size, &near);

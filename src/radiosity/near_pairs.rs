@@ -136,9 +136,10 @@ impl<'a> NearPairs<'a> {
             }
         }
         let void = (1.0 - pairs.iter().map(|p| p.factor).sum::<f64>()).max(0.0);
-        let hard = self.hard(i);
+        let least = self.points_at_least(i);
+        let hard = least > 1;
         self.choose(weight, hard, &mut pairs, &mut work.order);
-        let mut void = if hard { self.look_around(i, weight, &mut pairs, look) } else { void };
+        let mut void = if hard { self.look_around(i, weight, least, &mut pairs, look) } else { void };
         for pair in &mut pairs {
             if pair.exact {
                 (pair.factor, pair.sigma) = self.factor(i, pair.patch as usize, pair.guess, work);
@@ -153,25 +154,29 @@ impl<'a> NearPairs<'a> {
         work.pairs = pairs;
     }
 
-    /// Whether things that hide others are so near that different points of patch `i` see
-    /// noticeably different things.
-    fn hard(&self, i: usize) -> bool {
+    /// Hemicubes that patch `i` needs at least: more than one where things that hide others are so
+    /// near that different points of the patch see noticeably different things.
+    fn points_at_least(&self, i: usize) -> u32 {
         if self.limits.points < 2 || self.occluders.is_empty() {
-            return false;
+            return 1;
         }
         let a = &self.shapes[i];
-        let mut sum = 0.0;
-        for p in self.occluders.polygons() {
-            let reach = p.vertices.iter().map(|v| a.normal.dot(v.as_dvec3() - a.centre));
-            if reach.fold(0.0, f64::max) <= 1e-6 * a.radius {
+        let get = |n: &str, d: f64| std::env::var(n).map_or(d, |v| v.parse().unwrap());
+        // Solid angle of what is near, and the largest shift of it as the point moves.
+        let (mut view, mut shift) = (0.0, 0.0f64);
+        for o in self.occluders.shapes() {
+            let way = o.centre - a.centre;
+            if a.normal.dot(way) + o.height(a.normal) <= 1e-6 * a.radius {
                 continue;
             }
-            let centre = p.vertices.iter().sum::<glam::Vec3>().as_dvec3() / p.vertices.len() as f64;
-            let radius = p.vertices[0].as_dvec3().distance(centre);
-            let gap = (centre.distance(a.centre) - radius).max(0.5 * a.radius);
-            sum += radius * a.radius / (gap * gap + radius * radius);
+            let gap = way.length() - o.radius;
+            if gap < a.radius {
+                return get("TOUCH", 48.0) as u32;
+            }
+            view += o.area / (gap * gap);
+            shift = shift.max(a.radius / gap);
         }
-        sum > 0.02
+        if view.sqrt() * shift > get("HARD", 0.1) { get("MINP", 4.0) as u32 } else { 1 }
     }
 
     /// Marks the pairs whose closed form is worth its time: those with the largest errors, until
@@ -215,6 +220,7 @@ impl<'a> NearPairs<'a> {
         &self,
         i: usize,
         weight: f64,
+        least: u32,
         pairs: &mut Vec<Pair>,
         look: &mut Gatherer<'_>,
     ) -> f64 {
@@ -229,7 +235,7 @@ impl<'a> NearPairs<'a> {
         }
         let (mut total, mut mean, mut spread_of) = (0.0, 0.0, 0.0);
         let mut points = 0;
-        let mut goal = 16.min(self.limits.points);
+        let mut goal = least.min(self.limits.points);
         loop {
             while points < goal {
                 let at = spread::<2>(points, shift);

@@ -70,7 +70,7 @@ impl Transfers {
         size: HemicubeSize,
         near: &NearPairs<'_>,
     ) {
-        let part = |n: u32| (n / 8 * 2).max(n.min(32));
+        let div: u32 = std::env::var("DIV").map_or(4, |v| v.parse().unwrap()); let part = |n: u32| (n / div / 2 * 2).max(n.min(32));
         let size = HemicubeSize::new(part(size.width()), part(size.height())).expect("even");
         let delta = DeltaFormFactors::new(size);
         self.chunks.par_iter_mut().enumerate().for_each_init(|| (Work::default(), Gatherer::new(tracer, patches, &delta, size)), |(work, gatherer), (number, chunk)| {

@@ -1,5 +1,6 @@
 //! Whether something stands between two polygons.
 
+use super::contour::area;
 use crate::scene::{Node, Polygon, Tracer};
 use glam::{DVec3, Vec3};
 
@@ -7,8 +8,35 @@ use glam::{DVec3, Vec3};
 /// convex room there are none.
 pub struct Occluders {
     tracer: Tracer,
+    shapes: Vec<OccluderShape>,
     /// Lengths below this are rounding errors, in world units.
     slack: f64,
+}
+
+/// A sphere around an occluder, and its area.
+pub struct OccluderShape {
+    /// Mean of the corners.
+    pub centre: DVec3,
+    /// Distance of the farthest corner.
+    pub radius: f64,
+    /// Square world units.
+    pub area: f64,
+    normal: DVec3,
+}
+
+impl OccluderShape {
+    fn new(polygon: &Polygon) -> Self {
+        let corners: Vec<DVec3> = polygon.vertices.iter().map(|v| v.as_dvec3()).collect();
+        let centre = corners.iter().sum::<DVec3>() / corners.len() as f64;
+        let radius = corners.iter().map(|p| p.distance(centre)).fold(0.0, f64::max);
+        Self { centre, radius, area: area(&corners), normal: polygon.normal.as_dvec3() }
+    }
+
+    /// Upper bound on how far it rises above its centre along a unit direction.
+    pub fn height(&self, direction: DVec3) -> f64 {
+        let cosine = direction.dot(self.normal);
+        self.radius * (1.0 - cosine * cosine).max(0.0).sqrt()
+    }
 }
 
 /// Share of the scene's size that counts as rounding error of a position.
@@ -25,7 +53,8 @@ impl Occluders {
             .filter(|p| something_behind(scene, p, slack as f32))
             .cloned()
             .collect();
-        Self { tracer: Tracer::new(polygons), slack }
+        let shapes = polygons.iter().map(OccluderShape::new).collect();
+        Self { tracer: Tracer::new(polygons), shapes, slack }
     }
 
     /// Whether nothing can hide anything.
@@ -33,9 +62,9 @@ impl Occluders {
         self.tracer.polygons().is_empty()
     }
 
-    /// The polygons.
-    pub fn polygons(&self) -> &[Polygon] {
-        self.tracer.polygons()
+    /// Where the polygons are.
+    pub fn shapes(&self) -> &[OccluderShape] {
+        &self.shapes
     }
 
     /// Whether a point just in front of `from` sees one just in front of `to`. The points are
