@@ -31,22 +31,39 @@ use outputs::Scope;
 use patch::{TextPatches, TextScene};
 use progress::Progress;
 use radiosity::hemicube::HemicubeSize;
+use radiosity::near_pairs::{Importance, NearPairs};
 use radiosity::solve::{Limits, Solution, Sources, solve};
 use radiosity::transfers::Transfers;
+use radiosity::visibility::Occluders;
 use report::Counts;
 use scene::{Scene, Sidecar};
-use settings::Settings;
+use settings::{Quality, Settings};
 
 /// Share of a text scene's light that may be left unsent when it counts as settled.
 const TEXT_RESIDUAL: f64 = 1e-9;
 
-/// Lights a text scene: hemicubes of the size it names, then passes of gathering until nothing is
+/// Passes that tell which patches are bright enough to matter.
+const ROUGH_PASSES: u32 = 16;
+
+/// Lights a text scene: hemicubes of the size it names, closed forms where those err, then passes of gathering until nothing is
 /// left to send or its number of passes is used up. The solution holds the final exitance of each
 /// patch in file order.
 ///
 /// # Errors
 /// When the scene's hemicube size is out of range.
 pub fn light_patches(scene: &TextScene, progress: &Progress) -> Result<(Transfers, Solution)> {
+    light_patches_with(scene, Quality::default(), progress)
+}
+
+/// As [`light_patches`], with form factors of the given quality.
+///
+/// # Errors
+/// When the scene's hemicube size is out of range.
+pub fn light_patches_with(
+    scene: &TextScene,
+    quality: Quality,
+    progress: &Progress,
+) -> Result<(Transfers, Solution)> {
     let size = HemicubeSize::new(scene.hemicube[0], scene.hemicube[1])?;
     let patches = TextPatches::new(scene);
     let mut transfers = {
@@ -54,26 +71,14 @@ pub fn light_patches(scene: &TextScene, progress: &Progress) -> Result<(Transfer
         Transfers::compute(&patches.tracer, &patches.set, size, |n| stage.advance(n))
     };
     let sources = Sources { emission: &patches.emission, direct: &[] };
-    if std::env::var("PLAIN").is_err() {
-        let get = |n: &str, d: f64| std::env::var(n).map_or(d, |v| v.parse().unwrap());
-        let t0 = std::time::Instant::now();
-        let first = solve(&transfers, &patches.reflectance(), sources, Limits { passes: Some(scene.passes.min(16)), residual: 1e-2 });
-        let (mut sum, mut areas) = (0.0, 0.0);
-        for ((m, e), p) in first.exitance.iter().zip(&patches.emission).zip(&patches.set.patches) {
-            sum += f64::from(p.area) * f64::from((m.0 - e.0).max_element());
-            areas += f64::from(p.area);
-        }
-        let mean = sum / areas;
-        let importance = radiosity::near_pairs::Importance {
-            exitance: first.exitance.iter().map(|m| (f64::from(m.0.max_element()) / mean).max(1.0)).collect(),
-            reflectance: patches.set.patches.iter().map(|p| f64::from(p.reflectance.0.max_element())).collect(),
-        };
-        let occluders = radiosity::visibility::Occluders::new(&patches.tracer);
-        let limits = radiosity::near_pairs::NearLimits { row: get("ROW", 2e-3), rays: get("RAYS", 1024.0) as u32, points: get("POINTS", 64.0) as u32 };
-        let near = radiosity::near_pairs::NearPairs::new(&patches.set, occluders, importance, limits, size.cells());
-        let t1 = std::time::Instant::now();
-        transfers.improve(&patches.tracer, &patches.set, size, &near);
-        eprintln!("prep {:?} improve {:?} occluders {}", t1 - t0, t1.elapsed(), near.occluders().is_empty());
+    if let Some(near) = quality.near() {
+        let stage = progress.stage("near pairs", patches.set.patches.len());
+        let rough = Limits { passes: Some(scene.passes.min(ROUGH_PASSES)), residual: 1e-2 };
+        let first = solve(&transfers, &patches.reflectance(), sources, rough);
+        let importance = Importance::new(&patches.set, &patches.emission, &first.exitance);
+        let occluders = Occluders::new(&patches.tracer);
+        let near = NearPairs::new(&patches.set, occluders, importance, near, size.cells());
+        transfers.improve(&patches.tracer, &patches.set, size, &near, |n| stage.advance(n));
     }
     let limits = Limits { passes: Some(scene.passes), residual: TEXT_RESIDUAL };
     let solution = {

@@ -135,8 +135,7 @@ fn adaptive(f: &impl Fn(f64) -> f64, low: f64, high: f64, error: f64, depth: u32
     let (middle, half) = (0.5 * (low + high), 0.5 * (high - low));
     let (mut fine, mut coarse, mut size) = (0.0, 0.0, 0.0);
     for (x, kronrod, gauss) in KRONROD {
-        let value =
-            if x == 0.0 { f(middle) } else { f(middle - half * x) + f(middle + half * x) };
+        let value = if x == 0.0 { f(middle) } else { f(middle - half * x) + f(middle + half * x) };
         size += kronrod * value.abs();
         fine += kronrod * value;
         coarse += gauss * value;

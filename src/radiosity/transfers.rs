@@ -1,7 +1,7 @@
 //! Sparse rows of form factors: which share of a patch's view each other patch fills.
 
-use super::near_pairs::{NearPairs, Work};
 use super::hemicube::{Cells, DeltaFormFactors, HemicubeSize, ItemBuffer, View};
+use super::near_pairs::NearPairs;
 use crate::patch::{PatchId, PatchSet, PolygonPatches};
 use crate::scene::Tracer;
 use glam::{DVec3, Vec3, Vec4};
@@ -23,6 +23,17 @@ struct Chunk {
     ends: Vec<u32>,
     columns: Vec<u32>,
     weights: Vec<f32>,
+}
+
+impl Chunk {
+    fn push(&mut self, row: &[(PatchId, f64)], openness: f32) {
+        self.openness.push(openness);
+        for &(j, f) in row {
+            self.columns.push(j.0);
+            self.weights.push(f as f32);
+        }
+        self.ends.push(self.columns.len() as u32);
+    }
 }
 
 impl Transfers {
@@ -47,12 +58,7 @@ impl Transfers {
                         let patch = &patches.patches[i];
                         let view = View::turned(patch.eye, patch.normal, i as u64);
                         gatherer.look(&view);
-                        rows.openness.push(gatherer.openness());
-                        for &(j, f) in gatherer.row() {
-                            rows.columns.push(j.0);
-                            rows.weights.push(f as f32);
-                        }
-                        rows.ends.push(rows.columns.len() as u32);
+                        rows.push(gatherer.row(), gatherer.openness());
                     }
                     advance(done);
                     rows
@@ -62,35 +68,38 @@ impl Transfers {
         Self { chunks }
     }
 
-    /// Improves the rows.
+    /// Improves the rows that one hemicube of `size` at the middle of a patch gets wrong, see
+    /// [`NearPairs`]. Row sums stay what they are where all around is patches. `advance(n)` is told
+    /// of every n patches done.
     pub fn improve(
         &mut self,
         tracer: &Tracer,
         patches: &PatchSet,
         size: HemicubeSize,
         near: &NearPairs<'_>,
+        advance: impl Fn(u64) + Sync,
     ) {
-        let div: u32 = std::env::var("DIV").map_or(4, |v| v.parse().unwrap()); let part = |n: u32| (n / div / 2 * 2).max(n.min(32));
-        let size = HemicubeSize::new(part(size.width()), part(size.height())).expect("even");
+        let size = size.coarser();
         let delta = DeltaFormFactors::new(size);
-        self.chunks.par_iter_mut().enumerate().for_each_init(|| (Work::default(), Gatherer::new(tracer, patches, &delta, size)), |(work, gatherer), (number, chunk)| {
-            let mut rows = Chunk { openness: std::mem::take(&mut chunk.openness), ..Chunk::default() };
-            let mut from = 0;
-            let mut row = Vec::new();
-            for (k, &to) in chunk.ends.iter().enumerate() {
-                let to = to as usize;
-                row.clear();
-                row.extend((from..to).map(|c| (PatchId(chunk.columns[c]), f64::from(chunk.weights[c]))));
-                from = to;
-                near.improve(number * CHUNK + k, &mut row, work, gatherer);
-                for &(j, f) in &row {
-                    rows.columns.push(j.0);
-                    rows.weights.push(f as f32);
+        let start = || (near.work(), Gatherer::new(tracer, patches, &delta, size), Vec::new());
+        self.chunks.par_iter_mut().enumerate().for_each_init(
+            start,
+            |(work, gatherer, row), (number, chunk)| {
+                let old = std::mem::take(chunk);
+                let mut from = 0;
+                for (k, &to) in old.ends.iter().enumerate() {
+                    let members = from..to as usize;
+                    from = members.end;
+                    row.clear();
+                    row.extend(
+                        members.map(|c| (PatchId(old.columns[c]), f64::from(old.weights[c]))),
+                    );
+                    near.improve(number * CHUNK + k, row, work, gatherer);
+                    chunk.push(row, old.openness[k]);
                 }
-                rows.ends.push(rows.columns.len() as u32);
-            }
-            *chunk = rows;
-        });
+                advance(old.ends.len() as u64);
+            },
+        );
     }
 
     /// Number of rows.
