@@ -88,3 +88,62 @@ pub fn spread<const N: usize>(k: u32, shift: f64) -> [f64; N] {
         (shift * (d as f64 + 1.0) + 0.5 + f64::from(k) * step).fract()
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn pentagon() -> Vec<DVec3> {
+        [(0.0, 0.0), (3.0, -1.0), (4.0, 1.0), (2.0, 3.0), (0.0, 2.0)]
+            .map(|(x, y)| DVec3::new(x, y, 1.0))
+            .to_vec()
+    }
+
+    #[test]
+    fn the_rules_are_exact_for_low_polynomials() {
+        // Area, and the integral of x, of the pentagon.
+        let p = pentagon();
+        let (mut area, mut moment) = (0.0, 0.0);
+        for w in p[1..].windows(2) {
+            let a = 0.5 * (w[0] - p[0]).cross(w[1] - p[0]).length();
+            area += a;
+            moment += a * (p[0].x + w[0].x + w[1].x) / 3.0;
+        }
+        for order in 1..=4 {
+            let (mut weights, mut x) = (0.0, 0.0);
+            gauss(&p, order, |q, w| {
+                weights += w;
+                x += w * q.x;
+                assert!((q.z - 1.0).abs() < 1e-12);
+            });
+            assert!((weights - area).abs() < 1e-12, "order {order}");
+            assert!(order == 1 || (x - moment).abs() < 1e-12, "order {order}: {x} {moment}");
+        }
+    }
+
+    #[test]
+    fn points_are_spread_evenly() {
+        let p = pentagon();
+        let on = Spread::new(&p);
+        let n = 4000;
+        let mut mean = DVec3::ZERO;
+        for k in 0..n {
+            let q = on.point(DVec2::from_array(spread(k, 0.3)));
+            let inside = (0..5).all(|i| (p[(i + 1) % 5] - p[i]).cross(q - p[i]).z >= -1e-9);
+            assert!(inside, "{q}");
+            mean += q / f64::from(n);
+        }
+        let (mut area, mut moment) = (0.0, DVec3::ZERO);
+        gauss(&p, 2, |q, w| {
+            area += w;
+            moment += q * w;
+        });
+        assert!((mean - moment / area).length() < 2e-3, "{mean} {}", moment / area);
+    }
+
+    #[test]
+    fn polygons_without_area_give_points_too() {
+        let line = [DVec3::ZERO, DVec3::X, DVec3::X * 2.0];
+        assert!(Spread::new(&line).point(DVec2::new(0.7, 0.2)).is_finite());
+    }
+}

@@ -158,3 +158,158 @@ pub fn area(polygon: &[DVec3]) -> f64 {
         .length()
         * 0.5
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::radiosity::area_points::gauss;
+
+    const X: DVec3 = DVec3::X;
+    const Y: DVec3 = DVec3::Y;
+    const Z: DVec3 = DVec3::Z;
+
+    /// Counter-clockwise about u x v.
+    fn parallelogram(origin: DVec3, u: DVec3, v: DVec3) -> Vec<DVec3> {
+        vec![origin, origin + u, origin + u + v, origin + v]
+    }
+
+    /// Form factor between equal rectangles x by y, opposite at distance z (Howell C-11).
+    fn opposite(x: f64, y: f64, z: f64) -> f64 {
+        let (x, y) = (x / z, y / z);
+        let (rx, ry) = ((1.0 + x * x).sqrt(), (1.0 + y * y).sqrt());
+        let log = ((rx * ry).powi(2) / (1.0 + x * x + y * y)).ln() / 2.0;
+        let arcs =
+            x * ry * (x / ry).atan() + y * rx * (y / rx).atan() - x * x.atan() - y * y.atan();
+        2.0 / (PI * x * y) * (log + arcs)
+    }
+
+    /// Form factor from a rectangle l by w to one l by h that stands upright on its edge l
+    /// (Howell C-14).
+    fn upright(l: f64, w: f64, h: f64) -> f64 {
+        let (h, w) = (h / l, w / l);
+        let (h2, w2) = (h * h, w * w);
+        let both = (h2 + w2).sqrt();
+        let a = (1.0 + w2) * (1.0 + h2) / (1.0 + w2 + h2);
+        let b = w2 * (1.0 + w2 + h2) / ((1.0 + w2) * (w2 + h2));
+        let c = h2 * (1.0 + h2 + w2) / ((1.0 + h2) * (h2 + w2));
+        let logs = 0.25 * (a.ln() + w2 * b.ln() + h2 * c.ln());
+        let arcs = w * (1.0 / w).atan() + h * (1.0 / h).atan() - both * (1.0 / both).atan();
+        (arcs + logs) / (PI * w)
+    }
+
+    #[track_caller]
+    fn close(got: f64, want: f64, relative: f64) {
+        assert!((got / want - 1.0).abs() < relative, "{got} instead of {want}");
+    }
+
+    #[test]
+    fn opposite_rectangles_at_any_distance() {
+        for (x, y) in [(1.0, 1.0), (3.0, 0.5), (1.0, 0.01)] {
+            for z in [1e-4, 0.01, 0.1, 1.0, 10.0] {
+                let a = parallelogram(DVec3::ZERO, X * x, Y * y);
+                let b = parallelogram(Z * z, Y * y, X * x);
+                close(exchange(&a, &b, 1e-10) / (x * y), opposite(x, y, z), 1e-7);
+            }
+        }
+    }
+
+    #[test]
+    fn upright_rectangles_that_share_an_edge() {
+        for (l, w, h) in [(1.0, 1.0, 1.0), (2.0, 0.1, 5.0), (1.0, 1e-3, 1.0), (1.0, 1.0, 1e-4)] {
+            let a = parallelogram(DVec3::ZERO, X * w, Y * l);
+            let b = parallelogram(DVec3::ZERO, Y * l, Z * h);
+            close(exchange(&a, &b, 1e-10) / (w * l), upright(l, w, h), 1e-7);
+        }
+    }
+
+    #[test]
+    fn offset_squares_by_form_factor_algebra() {
+        // Opposite squares side by side: what four squares exchange with four is known.
+        let square = |x: f64, z: f64, up: bool| {
+            let o = DVec3::new(x, 0.0, z);
+            if up { parallelogram(o, X, Y) } else { parallelogram(o, Y, X) }
+        };
+        let both = 2.0 * opposite(2.0, 1.0, 1.0);
+        let diagonal = (both - 2.0 * opposite(1.0, 1.0, 1.0)) / 2.0;
+        close(exchange(&square(0.0, 0.0, true), &square(1.0, 1.0, false), 1e-10), diagonal, 1e-8);
+    }
+
+    /// Brute force: the point formula over a mesh of `n` x `n` cells of the parallelogram.
+    fn by_points(a: [DVec3; 3], n: usize, b: &[DVec3]) -> f64 {
+        let [origin, u, v] = a;
+        let normal = u.cross(v).normalize();
+        let mut sum = 0.0;
+        // Cells shrink towards the edges, where the integrand is steep.
+        let cut = |k: usize| 0.5 - 0.5 * (PI * k as f64 / n as f64).cos();
+        for (i, j) in (0..n * n).map(|k| (k % n, k / n)) {
+            let (s, t) = ([cut(i), cut(i + 1)], [cut(j), cut(j + 1)]);
+            let corner = origin + u * s[0] + v * t[0];
+            let cell = parallelogram(corner, u * (s[1] - s[0]), v * (t[1] - t[0]));
+            gauss(&cell, 3, |p, w| sum += w * point_to_polygon(p, normal, b));
+        }
+        sum
+    }
+
+    #[test]
+    fn wedges_of_any_angle_match_the_point_formula() {
+        for degrees in [0.1f64, 1.0, 5.0, 30.0, 77.0, 130.0, 179.0] {
+            let (sin, cos) = degrees.to_radians().sin_cos();
+            let a = [DVec3::ZERO, X, Y];
+            // Skewed, so that no edges but the shared one are parallel.
+            let wall = (X * cos + Z * sin) + Y * 0.2;
+            let b = parallelogram(DVec3::ZERO, Y, wall);
+            let got = exchange(&parallelogram(a[0], a[1], a[2]), &b, 1e-10);
+            close(got, by_points(a, 60, &b), if degrees < 10.0 { 2e-4 } else { 2e-5 });
+            assert!(got <= 1.0);
+        }
+    }
+
+    #[test]
+    fn the_exchange_is_the_same_both_ways() {
+        let a = parallelogram(DVec3::ZERO, X, Y);
+        let b = parallelogram(DVec3::new(0.3, -2.0, 1.5), Y * 0.3 + Z * 0.1, X * 2.0 - Z * 0.2);
+        close(exchange(&a, &b, 1e-12), exchange(&b, &a, 1e-12), 1e-9);
+    }
+
+    #[test]
+    fn slivers_and_extreme_ratios_match_the_point_formula() {
+        let sliver = parallelogram(DVec3::new(-5.0, 0.4, 0.3), Y * 1e-4, X * 10.0);
+        close(
+            exchange(&parallelogram(DVec3::ZERO, X, Y), &sliver, 1e-12),
+            by_points([DVec3::ZERO, X, Y], 40, &sliver),
+            1e-4,
+        );
+        let huge = parallelogram(DVec3::new(-500.0, -500.0, 1.0), Y * 1e3, X * 1e3);
+        let tiny = parallelogram(DVec3::ZERO, X * 1e-2, Y * 1e-2);
+        close(exchange(&tiny, &huge, 1e-12) / 1e-4, 1.0, 1e-4);
+    }
+
+    #[test]
+    fn a_point_sees_polygons_by_the_catalogue() {
+        use crate::radiosity::form_factor::{parallel_corner, rectangle};
+        let above = [[-0.3, 0.8], [0.1, 0.9]];
+        let want = rectangle(parallel_corner, above[0], above[1]);
+        let polygon = parallelogram(DVec3::new(-0.3, 0.1, 1.0), Y * 0.8, X * 1.1);
+        close(point_to_polygon(DVec3::ZERO, Z, &polygon), want, 1e-12);
+        assert_eq!(point_to_polygon(DVec3::ZERO, Z, &[]), 0.0);
+        let away: Vec<DVec3> = polygon.iter().rev().copied().collect();
+        assert_eq!(point_to_polygon(DVec3::ZERO, Z, &away), 0.0, "its back is turned");
+    }
+
+    #[test]
+    fn clipping_keeps_what_is_above() {
+        let mut kept = Vec::new();
+        clip_front(&parallelogram(-X - Z, X * 2.0, Z * 2.0), DVec3::ZERO, Z, &mut kept);
+        assert!((area(&kept) - 2.0).abs() < 1e-12 && kept.iter().all(|p| p.z >= 0.0));
+        clip_front(&parallelogram(-X - Z, X * 2.0, Z * 0.5), DVec3::ZERO, Z, &mut kept);
+        assert!(kept.is_empty() && area(&kept) == 0.0);
+    }
+
+    #[test]
+    fn wild_numbers_come_back() {
+        let nan = vec![DVec3::NAN; 3];
+        exchange(&nan, &parallelogram(DVec3::ZERO, X, Y), 1e-8);
+        exchange(&[DVec3::ZERO; 4], &parallelogram(DVec3::ZERO, X, Y), 0.0);
+        assert_eq!(exchange(&[], &nan, 1e-8), 0.0);
+    }
+}

@@ -63,7 +63,11 @@ impl Facing {
     ) -> Option<(f64, f64)> {
         clip_front(a.outline, b.outline[0], b.normal, &mut self.one);
         clip_front(b.outline, a.outline[0], a.normal, &mut self.two);
-        if self.one.len() < 3 || self.two.len() < 3 {
+        // Faces that lie on each other leave no room for light, whatever the closed form says.
+        let apart = |part: &[DVec3], of: &Shape<'_>| {
+            part.len() >= 3 && part.iter().any(|p| of.normal.dot(*p - of.outline[0]) > lift)
+        };
+        if !(apart(&self.one, b) && apart(&self.two, a)) {
             return Some((0.0, 0.0));
         }
         let (one, two) = ((&self.one[..], a), (&self.two[..], b));

@@ -179,3 +179,55 @@ fn add_sides(a: &[DVec3], b: &[DVec3], planes: &mut Vec<(DVec3, f64)>) {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn square(origin: Vec3, u: Vec3, v: Vec3) -> Polygon {
+        let vertices = vec![origin, origin + u, origin + u + v, origin + v];
+        Polygon { vertices, normal: u.cross(v).normalize() }
+    }
+
+    fn floor_and_ceiling() -> Vec<Polygon> {
+        vec![square(Vec3::ZERO, Vec3::X, Vec3::Y), square(Vec3::Z * 2.0, Vec3::Y, Vec3::X)]
+    }
+
+    fn between(occluders: &Occluders) -> bool {
+        let corners = |p: &Polygon| p.vertices.iter().map(|v| v.as_dvec3()).collect::<Vec<_>>();
+        let [a, b]: [Polygon; 2] = floor_and_ceiling().try_into().unwrap();
+        let shaft = Shaft::new((&corners(&a), DVec3::Z), (&corners(&b), -DVec3::Z));
+        occluders.between(&shaft)
+    }
+
+    #[test]
+    fn nothing_hides_anything_in_a_convex_room() {
+        let mut room = floor_and_ceiling();
+        room.push(square(Vec3::ZERO, Vec3::Y, Vec3::Z * 2.0));
+        let occluders = Occluders::new(&Tracer::new(room));
+        assert!(occluders.is_empty() && !between(&occluders));
+    }
+
+    #[test]
+    fn what_reaches_into_the_shaft_is_found() {
+        for (shift, inside) in [(0.0, true), (0.9, true), (1.01, false), (-1.01, false)] {
+            let mut scene = floor_and_ceiling();
+            scene.push(square(Vec3::new(shift, 0.0, 1.0), Vec3::X, Vec3::Y));
+            let occluders = Occluders::new(&Tracer::new(scene));
+            assert_eq!(occluders.shapes().len(), 1, "only the one in the middle");
+            assert_eq!(between(&occluders), inside, "shifted by {shift}");
+            let ray = (DVec3::new(0.5, 0.5, 0.01), DVec3::new(0.5, 0.5, 1.99));
+            assert_eq!(occluders.clear(ray.0, ray.1), shift.abs() > 0.5);
+        }
+    }
+
+    #[test]
+    fn what_touches_the_shaft_from_outside_is_not_between() {
+        let mut scene = floor_and_ceiling();
+        // A wall from the edge outwards and a slab below the floor.
+        scene.push(square(Vec3::X, Vec3::X, Vec3::Z * 2.0));
+        scene.push(square(Vec3::Z * -1.0, Vec3::X, Vec3::Y));
+        let occluders = Occluders::new(&Tracer::new(scene));
+        assert!(!occluders.is_empty() && !between(&occluders));
+    }
+}
