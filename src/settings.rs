@@ -41,7 +41,7 @@ impl Quality {
         match self {
             Self::Plain => None,
             Self::Draft => limits(1e-2, 128, 8, 8),
-            Self::Normal => limits(3e-3, 1024, 64, 24),
+            Self::Normal => limits(3e-3, 1024, 64, 48),
             Self::High => limits(1.5e-3, 4096, 128, 64),
             Self::Final => limits(7e-4, 8192, 256, 128),
         }
