@@ -5,7 +5,7 @@ use crate::lightmap::{DebugView, Gather, Smoothing};
 use crate::outputs::{DirectionFile, LitFile, Outputs, Scope};
 use crate::radiosity::hemicube::HemicubeSize;
 use crate::scene::{ALL_BOUNCES, LightGrid, LuxelSettings};
-use crate::settings::{Settings, SurfaceLights};
+use crate::settings::{Quality, Settings, SurfaceLights};
 use crate::{Error, Result};
 use clap::{ArgGroup, Args, Parser, ValueEnum};
 use clap_complete::Shell;
@@ -58,6 +58,14 @@ pub struct Cli {
     /// Edge of a hemicube in cells, even: more is finer and slower
     #[arg(long, value_name = "CELLS", default_value_t = 64, help_heading = "Bounced light")]
     pub hemicube: u32,
+
+    /// How exact the form factors of a text scene are
+    #[arg(long, value_enum, default_value_t, requires = "patches", help_heading = "Bounced light")]
+    pub quality: QualityArg,
+
+    /// Improve what one hemicube a patch gets wrong in a text scene: near, large and bright pairs
+    #[arg(long, value_enum, default_value_t, requires = "patches", help_heading = "Bounced light")]
+    pub near_field: NearFieldArg,
 
     /// Longest edge of a patch in luxels (one luxel is 16 units)
     #[arg(long, value_name = "LUXELS", default_value_t = 4, help_heading = "Bounced light")]
@@ -319,6 +327,30 @@ pub enum GatherArg {
     Luxel,
 }
 
+/// Spelling of [`Quality`].
+#[derive(Clone, Copy, Debug, Default, ValueEnum)]
+pub enum QualityArg {
+    /// Errors of about 1 %
+    Draft,
+    /// Errors below 0.5 %
+    #[default]
+    Normal,
+    /// Between normal and final
+    High,
+    /// Errors of about 0.1 %: slow
+    Final,
+}
+
+/// Whether near pairs get more than a hemicube.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum NearFieldArg {
+    /// As far as the quality says
+    #[default]
+    On,
+    /// One hemicube a patch and nothing else: to compare with
+    Off,
+}
+
 /// Spelling of [`SurfaceLights`].
 #[derive(Clone, Copy, Debug, Default, ValueEnum)]
 pub enum SurfaceLightsArg {
@@ -399,6 +431,17 @@ impl Cli {
             outputs: self.outputs.outputs(),
         }
         .checked()
+    }
+
+    /// The quality of a text scene.
+    pub fn quality(&self) -> Quality {
+        match (self.near_field, self.quality) {
+            (NearFieldArg::Off, _) => Quality::Plain,
+            (_, QualityArg::Draft) => Quality::Draft,
+            (_, QualityArg::Normal) => Quality::Normal,
+            (_, QualityArg::High) => Quality::High,
+            (_, QualityArg::Final) => Quality::Final,
+        }
     }
 
     /// Samples a luxel and blur.

@@ -32,29 +32,55 @@ use outputs::Scope;
 use patch::{TextPatches, TextScene};
 use progress::Progress;
 use radiosity::hemicube::HemicubeSize;
+use radiosity::near_pairs::{Importance, NearPairs};
 use radiosity::solve::{Limits, Solution, Sources, solve};
 use radiosity::transfers::Transfers;
+use radiosity::visibility::Occluders;
 use report::Counts;
 use scene::{Scene, Sidecar};
-use settings::Settings;
+use settings::{Quality, Settings};
 
 /// Share of a text scene's light that may be left unsent when it counts as settled.
 const TEXT_RESIDUAL: f64 = 1e-9;
 
-/// Lights a text scene: hemicubes of the size it names, then passes of gathering until nothing is
+/// Passes that tell which patches are bright enough to matter.
+const ROUGH_PASSES: u32 = 16;
+
+/// Lights a text scene: hemicubes of the size it names, closed forms where those err, then passes of gathering until nothing is
 /// left to send or its number of passes is used up. The solution holds the final exitance of each
 /// patch in file order.
 ///
 /// # Errors
 /// When the scene's hemicube size is out of range.
 pub fn light_patches(scene: &TextScene, progress: &Progress) -> Result<(Transfers, Solution)> {
+    light_patches_with(scene, Quality::default(), progress)
+}
+
+/// As [`light_patches`], with form factors of the given quality.
+///
+/// # Errors
+/// When the scene's hemicube size is out of range.
+pub fn light_patches_with(
+    scene: &TextScene,
+    quality: Quality,
+    progress: &Progress,
+) -> Result<(Transfers, Solution)> {
     let size = HemicubeSize::new(scene.hemicube[0], scene.hemicube[1])?;
     let patches = TextPatches::new(scene);
-    let transfers = {
+    let mut transfers = {
         let stage = progress.stage("form factors", patches.set.patches.len());
         Transfers::compute(&patches.tracer, &patches.set, size, |n| stage.advance(n))
     };
     let sources = Sources { emission: &patches.emission, direct: &[] };
+    if let Some(near) = quality.near() {
+        let stage = progress.stage("near pairs", patches.set.patches.len());
+        let rough = Limits { passes: Some(scene.passes.min(ROUGH_PASSES)), residual: 1e-2 };
+        let first = solve(&transfers, &patches.reflectance(), sources, rough);
+        let importance = Importance::new(&patches.set, &patches.emission, &first.exitance);
+        let occluders = Occluders::new(&patches.tracer);
+        let near = NearPairs::new(&patches.set, occluders, importance, near, size.cells());
+        transfers.improve(&patches.tracer, &patches.set, size, &near, |n| stage.advance(n));
+    }
     let limits = Limits { passes: Some(scene.passes), residual: TEXT_RESIDUAL };
     let solution = {
         let _stage = progress.stage("passes", scene.passes as usize);

@@ -4,6 +4,7 @@ use crate::bsp::{Bsp, MipTex, StyleRange};
 use crate::lightmap::{DebugView, Gather, Smoothing};
 use crate::outputs::Outputs;
 use crate::radiosity::hemicube::HemicubeSize;
+use crate::radiosity::near_pairs::NearLimits;
 use crate::scene::{SceneSettings, style_range};
 use crate::{Error, Result};
 
@@ -15,6 +16,36 @@ pub enum SurfaceLights {
     Points,
     /// As area light: the patches of the surface emit.
     Area,
+}
+
+/// How exact the form factors of a text scene are.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Quality {
+    /// One hemicube a patch and nothing else.
+    Plain,
+    /// Closed forms where one hemicube a patch is off by more than about 1 % of the light.
+    Draft,
+    /// Off by about 0.3 %, and more hemicubes where things stand on a patch.
+    #[default]
+    Normal,
+    /// Between normal and final.
+    High,
+    /// Off by less than 0.1 %.
+    Final,
+}
+
+impl Quality {
+    /// What it means for pairs of patches that are near; `None` leaves them as the hemicube has them.
+    pub fn near(self) -> Option<NearLimits> {
+        let limits = |row, rays, points, crowded| Some(NearLimits { row, rays, points, crowded });
+        match self {
+            Self::Plain => None,
+            Self::Draft => limits(1e-2, 128, 8, 8),
+            Self::Normal => limits(3e-3, 1024, 64, 48),
+            Self::High => limits(1.5e-3, 4096, 128, 64),
+            Self::Final => limits(7e-4, 8192, 256, 128),
+        }
+    }
 }
 
 /// Settings of a map run.

@@ -16,7 +16,7 @@ pub use text_patches::TextPatches;
 pub use text_scene::{CameraSpec, Quad, Reading, Repair, TextScene};
 
 use crate::photometry::Reflectance;
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 
 /// Index of a patch.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -40,6 +40,9 @@ pub struct Patch {
 pub struct PatchSet {
     /// The patches; [`PatchId`] indexes them.
     pub patches: Vec<Patch>,
+    /// Corners of each patch, a convex polygon, counter-clockwise seen from its front; empty where
+    /// they are not known.
+    pub outlines: Vec<Vec<DVec3>>,
     /// Which patch a point of a polygon belongs to.
     pub lookup: PatchLookup,
 }

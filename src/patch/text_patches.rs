@@ -50,10 +50,12 @@ impl TextPatches {
                 }
             })
             .collect();
+        let outlines =
+            scene.patches.iter().map(|q| q.vertices.map(|v| v - middle).to_vec()).collect();
         let whole = (0..scene.patches.len()).map(|i| PolygonPatches::Whole(PatchId(i as u32)));
         Self {
             tracer: Tracer::new(polygons),
-            set: PatchSet { patches, lookup: PatchLookup::new(whole.collect()) },
+            set: PatchSet { patches, outlines, lookup: PatchLookup::new(whole.collect()) },
             emission: scene.patches.iter().map(|q| Exitance(vec3(q.exitance))).collect(),
         }
     }

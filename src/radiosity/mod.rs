@@ -1,8 +1,13 @@
 //! Diffuse light exchange: hemicubes, form factors, the sparse transfer rows and the solver.
 
+pub mod area_points;
 pub mod bounce;
+pub mod contour;
 pub mod form_factor;
 pub mod hemicube;
+pub mod near_pairs;
+pub mod pair_factor;
 pub mod per_ray;
 pub mod solve;
 pub mod transfers;
+pub mod visibility;

@@ -1,13 +1,14 @@
 //! Sparse rows of form factors: which share of a patch's view each other patch fills.
 
 use super::hemicube::{Cells, DeltaFormFactors, HemicubeSize, ItemBuffer, View};
+use super::near_pairs::NearPairs;
 use crate::patch::{PatchId, PatchSet, PolygonPatches};
 use crate::scene::Tracer;
 use glam::{DVec3, Vec3, Vec4};
 use rayon::prelude::*;
 
 /// Rows computed, and stored, as one piece.
-const CHUNK: usize = 256;
+const CHUNK: usize = 32;
 
 /// Form factors `F_ij`: the share of the hemisphere above patch i (cosine-weighted) in which patch j
 /// is seen from its front. Rows sum to 1 in a closed room.
@@ -22,6 +23,17 @@ struct Chunk {
     ends: Vec<u32>,
     columns: Vec<u32>,
     weights: Vec<f32>,
+}
+
+impl Chunk {
+    fn push(&mut self, row: &[(PatchId, f64)], openness: f32) {
+        self.openness.push(openness);
+        for &(j, f) in row {
+            self.columns.push(j.0);
+            self.weights.push(f as f32);
+        }
+        self.ends.push(self.columns.len() as u32);
+    }
 }
 
 impl Transfers {
@@ -46,12 +58,7 @@ impl Transfers {
                         let patch = &patches.patches[i];
                         let view = View::turned(patch.eye, patch.normal, i as u64);
                         gatherer.look(&view);
-                        rows.openness.push(gatherer.openness());
-                        for &(j, f) in gatherer.row() {
-                            rows.columns.push(j.0);
-                            rows.weights.push(f as f32);
-                        }
-                        rows.ends.push(rows.columns.len() as u32);
+                        rows.push(gatherer.row(), gatherer.openness());
                     }
                     advance(done);
                     rows
@@ -59,6 +66,40 @@ impl Transfers {
             )
             .collect();
         Self { chunks }
+    }
+
+    /// Improves the rows that one hemicube of `size` at the middle of a patch gets wrong, see
+    /// [`NearPairs`]. Row sums stay what they are where all around is patches. `advance(n)` is told
+    /// of every n patches done.
+    pub fn improve(
+        &mut self,
+        tracer: &Tracer,
+        patches: &PatchSet,
+        size: HemicubeSize,
+        near: &NearPairs<'_>,
+        advance: impl Fn(u64) + Sync,
+    ) {
+        let size = size.coarser();
+        let delta = DeltaFormFactors::new(size);
+        let start = || (near.work(), Gatherer::new(tracer, patches, &delta, size), Vec::new());
+        self.chunks.par_iter_mut().enumerate().for_each_init(
+            start,
+            |(work, gatherer, row), (number, chunk)| {
+                let old = std::mem::take(chunk);
+                let mut from = 0;
+                for (k, &to) in old.ends.iter().enumerate() {
+                    let members = from..to as usize;
+                    from = members.end;
+                    row.clear();
+                    row.extend(
+                        members.map(|c| (PatchId(old.columns[c]), f64::from(old.weights[c]))),
+                    );
+                    near.improve(number * CHUNK + k, row, work, gatherer);
+                    chunk.push(row, old.openness[k]);
+                }
+                advance(old.ends.len() as u64);
+            },
+        );
     }
 
     /// Number of rows.

@@ -1,0 +1,378 @@
+//! Form factors that one hemicube at the middle of a patch gets wrong: of patches that are near,
+//! large, small, bright or partly hidden. Those whose error matters are replaced by closed forms
+//! times visible shares; where things stand on or close to a patch, more hemicubes look out of it.
+
+use super::area_points::{Spread, spread};
+use super::hemicube::View;
+use super::pair_factor::{Facing, Precision, Shape};
+use super::transfers::Gatherer;
+use super::visibility::Occluders;
+use crate::patch::{PatchId, PatchSet};
+use crate::photometry::Exitance;
+use glam::DVec2;
+use std::f64::consts::PI;
+
+/// How far rows are improved.
+#[derive(Clone, Copy, Debug)]
+pub struct NearLimits {
+    /// Error of a row's light that is let pass, as a share of the mean light that patches reflect.
+    pub row: f64,
+    /// Most rays between two patches that see each other in part.
+    pub rays: u32,
+    /// Most hemicubes on a patch.
+    pub points: u32,
+    /// Hemicubes on a patch that something touches.
+    pub crowded: u32,
+}
+
+/// What the light of a scene is about: which rows and columns matter.
+pub struct Importance {
+    /// Exitance of each patch over the mean that patches reflect, at least 1.
+    exitance: Vec<f64>,
+    /// Largest reflectance of each patch over the channels.
+    reflectance: Vec<f64>,
+}
+
+impl Importance {
+    /// From a first solution `exitance`, of which `emission` is not reflected light.
+    pub fn new(patches: &PatchSet, emission: &[Exitance], exitance: &[Exitance]) -> Self {
+        let (mut light, mut areas) = (0.0, 0.0);
+        for ((m, e), p) in exitance.iter().zip(emission).zip(&patches.patches) {
+            light += f64::from(p.area) * f64::from((m.0 - e.0).max_element());
+            areas += f64::from(p.area);
+        }
+        let relative = |m: &Exitance| {
+            let share = f64::from(m.0.max_element()) * areas / light;
+            if share.is_finite() { share.max(1.0) } else { 1.0 }
+        };
+        Self {
+            exitance: exitance.iter().map(relative).collect(),
+            reflectance: patches
+                .patches
+                .iter()
+                .map(|p| f64::from(p.reflectance.0.max_element()))
+                .collect(),
+        }
+    }
+}
+
+/// The patches of a scene as polygons, and what may hide them from each other.
+pub struct NearPairs<'a> {
+    shapes: Vec<Shape<'a>>,
+    occluders: Occluders,
+    lift: f64,
+    importance: Importance,
+    limits: NearLimits,
+    /// Form factor of a typical cell of a hemicube.
+    cell: f64,
+}
+
+/// Form factor of a typical cell, of which a hemicube has `n`: 2 / n.
+const TYPICAL_CELL: f64 = 2.0;
+/// Patches see different things from different points where what is near (as the root of its solid
+/// angle) shifts by this much between them.
+const SHIFT: f64 = 1.0;
+/// Hemicubes on a patch that sees different things, at first.
+const FEW: u32 = 4;
+/// Relative uncertainty of what several hemicubes see.
+const SPREAD_SIGMA: f64 = 0.05;
+
+/// A patch as seen from the row's patch.
+#[derive(Clone, Copy)]
+struct Pair {
+    patch: u32,
+    /// Form factor.
+    factor: f64,
+    /// Roughly what it is with nothing between.
+    guess: f64,
+    /// Error of the hemicube because the view changes over the patch.
+    curve: f64,
+    /// Error of the hemicube because its cells have a size.
+    alias: f64,
+    /// Whether the form factor is to be that of the closed form.
+    closed: bool,
+    /// Uncertainty of `factor`.
+    sigma: f64,
+}
+
+impl Pair {
+    fn seen(patch: u32, factor: f64) -> Self {
+        let none = 0.0;
+        Self { patch, factor, guess: none, curve: none, alias: none, closed: false, sigma: none }
+    }
+}
+
+/// Buffers that are reused from row to row.
+pub struct Work {
+    facing: Facing,
+    pairs: Vec<Pair>,
+    order: Vec<u32>,
+    /// Place of each patch in `pairs`, or `NOWHERE`.
+    place: Vec<u32>,
+}
+
+const NOWHERE: u32 = u32::MAX;
+
+impl<'a> NearPairs<'a> {
+    /// All `patches` have outlines. `cells` is the number of cells of the hemicubes that made the
+    /// rows, `occluders` those of the same scene.
+    pub fn new(
+        patches: &'a PatchSet,
+        occluders: Occluders,
+        importance: Importance,
+        limits: NearLimits,
+        cells: usize,
+    ) -> Self {
+        let shapes: Vec<Shape<'a>> = patches
+            .outlines
+            .iter()
+            .zip(&patches.patches)
+            .map(|(outline, patch)| Shape::new(outline, patch.normal.as_dvec3()))
+            .collect();
+        let above = |(p, s): (&crate::patch::Patch, &Shape<'_>)| {
+            (p.eye.as_dvec3() - s.centre).dot(s.normal).abs()
+        };
+        let lift = patches.patches.iter().zip(&shapes).map(above).fold(0.0, f64::max);
+        Self { shapes, occluders, lift, importance, limits, cell: TYPICAL_CELL / cells as f64 }
+    }
+
+    /// Buffers for [`Self::improve`].
+    pub fn work(&self) -> Work {
+        let place = vec![NOWHERE; self.shapes.len()];
+        Work { facing: Facing::default(), pairs: Vec::new(), order: Vec::new(), place }
+    }
+
+    /// Improves row `i`, given as the hemicube at its middle saw it. `gatherer` looks out of more
+    /// points where they are needed.
+    pub fn improve(
+        &self,
+        i: usize,
+        row: &mut Vec<(PatchId, f64)>,
+        work: &mut Work,
+        gatherer: &mut Gatherer<'_>,
+    ) {
+        if self.importance.reflectance[i] == 0.0 {
+            return;
+        }
+        self.list(i, row, &mut work.pairs);
+        let points = self.points_at_least(i);
+        self.choose(i, points > 1, work);
+        let void = if points > 1 {
+            self.look_around(i, points, work, gatherer)
+        } else {
+            (1.0 - work.pairs.iter().map(|p| p.factor).sum::<f64>()).max(0.0)
+        };
+        let mut changed = points > 1;
+        for pair in &mut work.pairs {
+            let closed = if pair.closed { self.closed(i, pair, &mut work.facing) } else { None };
+            changed |= closed.is_some();
+            (pair.factor, pair.sigma) = closed.unwrap_or_else(|| {
+                let several = if points > 1 { SPREAD_SIGMA * pair.factor } else { 0.0 };
+                (pair.factor, (pair.curve + pair.alias + several).min(pair.factor))
+            });
+        }
+        if changed {
+            balance(&mut work.pairs, void);
+            let kept = work.pairs.iter().filter(|p| p.factor > 0.0);
+            row.clear();
+            row.extend(kept.map(|p| (PatchId(p.patch), p.factor)));
+        }
+    }
+
+    /// Everything that patch `i` sees or may see, by patch.
+    fn list(&self, i: usize, row: &[(PatchId, f64)], pairs: &mut Vec<Pair>) {
+        pairs.clear();
+        let mut seen = row.iter().copied().peekable();
+        for j in 0..self.shapes.len() {
+            let factor = seen.next_if(|s| s.0.0 as usize == j).map_or(0.0, |s| s.1);
+            let mut pair = Pair::seen(j as u32, factor);
+            if j != i {
+                self.estimate(i, &mut pair);
+            }
+            if factor > 0.0 || pair.guess > 0.0 {
+                pairs.push(pair);
+            }
+        }
+    }
+
+    /// Estimates the two errors of what the hemicube saw.
+    fn estimate(&self, i: usize, pair: &mut Pair) {
+        let (a, b) = (&self.shapes[i], &self.shapes[pair.patch as usize]);
+        let way = b.centre - a.centre;
+        let (height_b, height_a) = (a.normal.dot(way), -b.normal.dot(way));
+        if height_b <= -b.radius || height_a <= -a.radius {
+            return;
+        }
+        let square = way.length_squared();
+        let cosines = (height_b + b.radius).max(0.0) * (height_a + a.radius).max(0.0);
+        let spread = PI * square * square + b.area * (a.area + b.area);
+        pair.guess = (cosines * b.area / spread).min(1.0).max(pair.factor);
+        // A middle stands for its patch up to the square of size over distance.
+        let gap = (square.sqrt() - b.radius).max(height_a).max(0.0);
+        let size = a.radius * a.radius;
+        pair.curve = pair.guess * 0.3 * size / (gap * gap + size);
+        // Cells along the outline err independently: the fourth root of their number inside.
+        let cells = pair.guess / self.cell;
+        pair.alias = self.cell * if cells < 1.0 { cells } else { 0.5 * cells.powf(0.25) };
+    }
+
+    /// How many hemicubes patch `i` needs at least: more than one where things that hide others
+    /// are so near that different points of the patch see different things.
+    fn points_at_least(&self, i: usize) -> u32 {
+        if self.limits.points < 2 {
+            return 1;
+        }
+        let a = &self.shapes[i];
+        let (mut solid_angle, mut shift) = (0.0, 0.0f64);
+        for o in self.occluders.shapes() {
+            let way = o.centre - a.centre;
+            if a.normal.dot(way) + o.height(a.normal) <= 1e-6 * a.radius {
+                continue;
+            }
+            let gap = way.length() - o.radius;
+            if gap < a.radius {
+                return self.limits.crowded;
+            }
+            solid_angle += o.area / (gap * gap);
+            shift = shift.max(a.radius / gap);
+        }
+        if solid_angle.sqrt() * shift > SHIFT { FEW } else { 1 }
+    }
+
+    /// Light that an error of a pair's form factor stands for, per unit.
+    fn light(&self, i: usize, pair: &Pair) -> f64 {
+        self.importance.reflectance[i] * self.importance.exitance[pair.patch as usize]
+    }
+
+    /// Marks the pairs whose closed form is worth its time: those with the largest errors, until
+    /// what is left is below the row's limit. Errors of curvature add up, those of cells do not.
+    fn choose(&self, i: usize, several: bool, work: &mut Work) {
+        let pairs = &mut work.pairs;
+        let errors = |p: &Pair| {
+            let hidden = if several { 2.0 * SPREAD_SIGMA * p.factor } else { 0.0 };
+            [p.curve, p.alias + hidden].map(|e| self.light(i, p) * e)
+        };
+        let (mut curves, mut squares) = (0.0, 0.0);
+        for p in pairs.iter() {
+            let [curve, alias] = errors(p);
+            curves += curve;
+            squares += alias * alias;
+        }
+        let limit = self.limits.row;
+        if curves + squares.sqrt() <= limit {
+            return;
+        }
+        let total = |k: u32| errors(&pairs[k as usize]).iter().sum::<f64>();
+        // All that are smaller make up less than a twentieth of the limit.
+        let least = 0.05 * limit / (pairs.len() as f64).sqrt();
+        work.order.clear();
+        work.order.extend((0..pairs.len() as u32).filter(|&k| total(k) > least));
+        work.order.sort_by(|&a, &b| total(b).total_cmp(&total(a)).then(a.cmp(&b)));
+        for &k in &work.order {
+            if curves + squares.max(0.0).sqrt() <= limit {
+                break;
+            }
+            let pair = &mut pairs[k as usize];
+            let [curve, alias] = errors(pair);
+            curves -= curve;
+            squares -= alias * alias;
+            pair.closed = true;
+        }
+    }
+
+    /// Replaces the form factors by the mean over points spread over patch `i`: at least `least`,
+    /// more while the light that they see differs. Returns the share in which no patch is seen.
+    fn look_around(
+        &self,
+        i: usize,
+        least: u32,
+        work: &mut Work,
+        gatherer: &mut Gatherer<'_>,
+    ) -> f64 {
+        let shape = &self.shapes[i];
+        let on = Spread::new(shape.outline);
+        let shift = (i as f64 * 0.754_877_666_246_692_8).fract();
+        let (pairs, place) = (&mut work.pairs, &mut work.place);
+        for (k, pair) in pairs.iter_mut().enumerate() {
+            pair.factor = 0.0;
+            place[pair.patch as usize] = k as u32;
+        }
+        let weight = self.importance.reflectance[i];
+        let (mut mean, mut squares, mut seen) = (0.0, 0.0, 0.0);
+        let (mut points, mut goal) = (0, least.min(self.limits.points));
+        loop {
+            while points < goal {
+                let at = on.point(DVec2::from_array(spread(points, shift)));
+                let eye = (at + shape.normal * self.lift).as_vec3();
+                let seed = (i as u64) << 16 | u64::from(points);
+                gatherer.look(&View::turned(eye, shape.normal.as_vec3(), seed));
+                let mut light = 0.0;
+                for &(patch, factor) in gatherer.row() {
+                    let slot = &mut place[patch.0 as usize];
+                    if *slot == NOWHERE {
+                        *slot = pairs.len() as u32;
+                        pairs.push(Pair::seen(patch.0, 0.0));
+                    }
+                    let pair = &mut pairs[*slot as usize];
+                    pair.factor += factor;
+                    seen += factor;
+                    if !pair.closed {
+                        light += factor * self.importance.exitance[patch.0 as usize];
+                    }
+                }
+                points += 1;
+                let change = light - mean;
+                mean += change / f64::from(points);
+                squares += change * (light - mean);
+            }
+            // Evenly spread points err by about half as much as independent ones.
+            let error = weight * 0.5 * squares.sqrt() / f64::from(points);
+            if error <= self.limits.row || points >= self.limits.points {
+                break;
+            }
+            goal = (2 * points).min(self.limits.points);
+        }
+        let share = 1.0 / f64::from(points);
+        for pair in pairs.iter_mut() {
+            pair.factor *= share;
+            place[pair.patch as usize] = NOWHERE;
+        }
+        pairs.sort_unstable_by_key(|p| p.patch);
+        (1.0 - seen * share).max(0.0)
+    }
+
+    /// The closed form of a pair and its uncertainty, as precise as its light asks for.
+    fn closed(&self, i: usize, pair: &Pair, facing: &mut Facing) -> Option<(f64, f64)> {
+        let j = pair.patch as usize;
+        let share = self.light(i, pair) * pair.guess / self.limits.row;
+        // Evenly spread rays err by about n^-0.7.
+        let rays = (3.0 * share).powf(1.4).clamp(16.0, f64::from(self.limits.rays.max(16)));
+        let precision = Precision {
+            closed: (0.05 / share).min(1e-2),
+            rays: rays as u32,
+            seed: (i * 31 + j) as u64,
+        };
+        facing.factor((&self.shapes[i], &self.shapes[j]), &self.occluders, self.lift, precision)
+    }
+}
+
+/// Makes the view whole again: the form factors and the void sum to 1, so what the closed forms
+/// changed is taken from those that are uncertain, most from the most uncertain (least squares).
+/// The void counts as half unknown. Where nothing is uncertain, nothing changes.
+fn balance(pairs: &mut [Pair], mut void: f64) {
+    let void_square = 0.25 * void * void;
+    // Again where a form factor would have become negative.
+    for _ in 0..8 {
+        let excess = pairs.iter().map(|p| p.factor).sum::<f64>() + void - 1.0;
+        let uncertain = pairs.iter().filter(|p| p.factor > 0.0);
+        let squares = uncertain.map(|p| p.sigma * p.sigma).sum::<f64>() + void_square;
+        if squares <= 0.0 || excess.abs() < 1e-12 {
+            return;
+        }
+        let step = excess / squares;
+        for p in pairs.iter_mut().filter(|p| p.factor > 0.0) {
+            p.factor = (p.factor - step * p.sigma * p.sigma).max(0.0);
+        }
+        void = (void - step * void_square).max(0.0);
+    }
+}
