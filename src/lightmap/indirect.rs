@@ -11,6 +11,9 @@ use crate::scene::{Sample, Scene, ShadowRays};
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
+/// Width of a luxel in world units, unless the map asks for another.
+const LUXEL: f32 = 16.0;
+
 /// How indirect light gets from patches to luxels.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Gather {
@@ -166,7 +169,10 @@ impl Drawn<'_> {
             .par_iter_mut()
             .enumerate()
             .map_init(
-                || Gatherer::new(&scene.tracer, &patches.set, &self.delta, self.size),
+                || {
+                    Gatherer::new(&scene.tracer, &patches.set, &self.delta, self.size)
+                        .with_intervals(patches.intervals.len(), LUXEL)
+                },
                 |gatherer, (number, face)| {
                     let width = face.width;
                     let here: Vec<usize> =
@@ -178,6 +184,7 @@ impl Drawn<'_> {
                             gatherer.look(&View::turned(sample.position, sample.normal, seed));
                             let mut light = Vec::new();
                             gatherer.irradiance(&exitance, &mut light);
+                            self.add_detail(gatherer.intervals(), &mut light);
                             face.light[i] = Some(light.clone());
                             let openness = gatherer.openness();
                             (Known::new(sample.position, sample.normal, openness), light)
@@ -193,5 +200,17 @@ impl Drawn<'_> {
             }
         }
         count
+    }
+
+    /// Adds what the light of the `intervals` seen from nearby differs from that of their patches.
+    fn add_detail(&self, intervals: &[(u32, f64)], light: &mut [DVec3]) {
+        for &(interval, f) in intervals {
+            let (surface, k) = self.sources.patches.intervals.place(interval);
+            for (sum, style) in light.iter_mut().zip(self.sources.light) {
+                if let Some(more) = style.detail.get(surface).and_then(|d| d.get(k)) {
+                    *sum += more.as_dvec3() * f;
+                }
+            }
+        }
     }
 }

@@ -3,7 +3,7 @@
 use super::solve::{Limits, Sources, solve};
 use super::transfers::Transfers;
 use crate::light::StyleLight;
-use crate::patch::{Emission, MapPatches};
+use crate::patch::{Detail, Emission, MapPatches};
 use crate::photometry::{Exitance, Irradiance, Reflectance};
 use glam::DVec3;
 use std::borrow::Cow;
@@ -18,6 +18,8 @@ pub struct PatchLight {
     pub exitance: Vec<Exitance>,
     /// Indirect irradiance of each patch: what it receives from that exitance.
     pub irradiance: Vec<Irradiance>,
+    /// How the exitance of luxel intervals differs from that of their patches.
+    pub detail: Detail,
 }
 
 /// All styles of a map.
@@ -44,7 +46,8 @@ pub fn bounce(
     let reflectance: Vec<Reflectance> = patches.set.patches.iter().map(|p| p.reflectance).collect();
     let mut bounced = Bounced::default();
     for style in styles(direct, emission) {
-        let arriving = patches.mean_irradiance(&luxels_of(direct, style));
+        let luxels = luxels_of(direct, style);
+        let arriving = patches.mean_irradiance(&luxels);
         let dark = vec![Exitance::ZERO; reflectance.len()];
         let emitted = emission.iter().find(|e| e.style == style).map_or(&dark, |e| &e.exitance);
         let sources = Sources { emission: emitted, direct: &arriving };
@@ -59,6 +62,11 @@ pub fn bounce(
         let received = transfers.gather(&exitance);
         bounced.styles.push(PatchLight {
             style,
+            detail: if limits.passes == Some(0) {
+                Vec::new()
+            } else {
+                patches.detail(&luxels, &arriving)
+            },
             exitance: solution.exitance,
             irradiance: received.into_iter().map(|e| Irradiance(e.as_vec3())).collect(),
         });
