@@ -5,7 +5,7 @@ use crate::lightmap::{Gather, Smoothing};
 use crate::outputs::{LitFile, Outputs, Scope};
 use crate::radiosity::hemicube::HemicubeSize;
 use crate::scene::LuxelSettings;
-use crate::settings::{Settings, SurfaceLights};
+use crate::settings::{Quality, Settings, SurfaceLights};
 use crate::{Error, Result};
 use clap::{ArgGroup, Args, Parser, ValueEnum};
 use clap_complete::Shell;
@@ -54,17 +54,21 @@ pub struct Cli {
     #[arg(long, value_name = "SHARE", default_value_t = 1e-5, help_heading = "Bounced light")]
     pub residual: f64,
 
-    /// Edge of a hemicube in cells, even: more is finer and slower
-    #[arg(long, value_name = "CELLS", default_value_t = 64, help_heading = "Bounced light")]
-    pub hemicube: u32,
-
-    /// Longest edge of a patch in luxels (one luxel is 16 units)
-    #[arg(long, value_name = "LUXELS", default_value_t = 4, help_heading = "Bounced light")]
-    pub patch_size: u32,
-
-    /// How bounced light gets from patches to luxels
+    /// How much work goes into bounced light; the three options below change single parts of it
     #[arg(long, value_enum, default_value_t, help_heading = "Bounced light")]
-    pub gather: GatherArg,
+    pub quality: Quality,
+
+    /// Edge of a hemicube in cells, even: more is finer and slower [default: 32; final: 64]
+    #[arg(long, value_name = "CELLS", help_heading = "Bounced light")]
+    pub hemicube: Option<u32>,
+
+    /// Longest edge of a patch in luxels (one luxel is 16 units) [default: 2; draft: 4]
+    #[arg(long, value_name = "LUXELS", help_heading = "Bounced light")]
+    pub patch_size: Option<u32>,
+
+    /// How bounced light gets from patches to luxels [default: interpolate; final: luxel]
+    #[arg(long, value_enum, help_heading = "Bounced light")]
+    pub gather: Option<GatherArg>,
 
     /// Factor on how much light textures send back
     #[arg(long, value_name = "FACTOR", default_value_t = 1.0, help_heading = "Materials")]
@@ -208,10 +212,9 @@ impl OutputArgs {
 }
 
 /// Spelling of [`Gather`].
-#[derive(Clone, Copy, Debug, Default, ValueEnum)]
+#[derive(Clone, Copy, Debug, ValueEnum)]
 pub enum GatherArg {
-    /// Between the patches around a luxel: fast
-    #[default]
+    /// Between the patches around a luxel, where they tell it well: fast
     Interpolate,
     /// A hemicube at every luxel: slow, sharpest
     Luxel,
@@ -243,16 +246,19 @@ impl Cli {
     /// # Errors
     /// When an option is out of range.
     pub fn settings(&self) -> Result<Settings> {
+        let cells = self.hemicube.unwrap_or(self.quality.hemicube());
         Settings {
-            hemicube: HemicubeSize::new(self.hemicube, self.hemicube)?,
-            patch_size: self.patch_size,
+            hemicube: HemicubeSize::new(cells, cells)?,
+            patch_size: self.patch_size.unwrap_or(self.quality.patch_size()),
             bounces: self.bounces,
             residual: self.residual,
             smoothing: self.smoothing()?,
             gather: match self.gather {
-                GatherArg::Interpolate => Gather::Interpolate,
-                GatherArg::Luxel => Gather::Luxel,
+                None => self.quality.gather(),
+                Some(GatherArg::Interpolate) => Gather::Interpolate,
+                Some(GatherArg::Luxel) => Gather::Luxel,
             },
+            gather_error: self.quality.gather_error(),
             reflectance_scale: self.reflectance_scale,
             grey: self.grey,
             surface_lights: match self.surface_lights {

@@ -1,7 +1,7 @@
 //! What the user can set, checked once and passed down from there.
 
 use crate::bsp::MipTex;
-use crate::lightmap::{Gather, Smoothing};
+use crate::lightmap::{Gather, GatherSettings, Smoothing};
 use crate::outputs::Outputs;
 use crate::radiosity::hemicube::HemicubeSize;
 use crate::scene::SceneSettings;
@@ -15,6 +15,46 @@ pub enum SurfaceLights {
     Points,
     /// As area light: the patches of the surface emit.
     Area,
+}
+
+/// How much work goes into bounced light: a name for a set of values that single options change.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
+pub enum Quality {
+    /// A quick look
+    Draft,
+    /// Errors of a few hundredths
+    #[default]
+    Normal,
+    /// Half the error, half as fast
+    High,
+    /// A fine hemicube at every luxel
+    Final,
+}
+
+impl Quality {
+    /// Cells along the edge of a hemicube.
+    pub fn hemicube(self) -> u32 {
+        if self == Self::Final { 64 } else { 32 }
+    }
+
+    /// Longest edge of a patch in luxels.
+    pub fn patch_size(self) -> u32 {
+        if self == Self::Draft { 4 } else { 2 }
+    }
+
+    /// How indirect light gets to luxels.
+    pub fn gather(self) -> Gather {
+        if self == Self::Final { Gather::Luxel } else { Gather::Interpolate }
+    }
+
+    /// Error that interpolation may make: see [`GatherSettings::error`].
+    pub fn gather_error(self) -> f64 {
+        match self {
+            Self::Draft => f64::INFINITY,
+            Self::Normal => 0.05,
+            Self::High | Self::Final => 0.02,
+        }
+    }
 }
 
 /// Settings of a map run.
@@ -32,6 +72,8 @@ pub struct Settings {
     pub smoothing: Smoothing,
     /// How indirect light gets to luxels.
     pub gather: Gather,
+    /// Error that interpolation may make, above 0: see [`GatherSettings::error`].
+    pub gather_error: f64,
     /// Factor on the reflectance of textures, 0 and up.
     pub reflectance_scale: f32,
     /// Ignore the colour of textures: everything reflects half the light.
@@ -46,13 +88,16 @@ pub struct Settings {
 
 impl Default for Settings {
     fn default() -> Self {
+        let quality = Quality::default();
+        let cells = quality.hemicube();
         Self {
-            hemicube: HemicubeSize::new(64, 64).expect("64 is even and in range"),
-            patch_size: 4,
+            hemicube: HemicubeSize::new(cells, cells).expect("even and in range"),
+            patch_size: quality.patch_size(),
             bounces: None,
             residual: 1e-5,
             smoothing: Smoothing { extra: 1, soft: 0 },
-            gather: Gather::default(),
+            gather: quality.gather(),
+            gather_error: quality.gather_error(),
             reflectance_scale: 1.0,
             grey: false,
             surface_lights: SurfaceLights::default(),
@@ -87,6 +132,11 @@ impl Settings {
         }
         self.outputs.clone().checked()?;
         Ok(self)
+    }
+
+    /// How indirect light gets to luxels.
+    pub(crate) fn gathering(&self) -> GatherSettings {
+        GatherSettings { gather: self.gather, error: self.gather_error, hemicube: self.hemicube }
     }
 
     /// The part that concerns the scene. `textures` are those that the map may lack.

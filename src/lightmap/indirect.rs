@@ -17,12 +17,25 @@ const LUXEL: f32 = 16.0;
 /// How indirect light gets from patches to luxels.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Gather {
-    /// Interpolate between patches; where they are too far apart for what is near, between some
-    /// luxels that get a hemicube of their own.
+    /// Interpolate between patches; where they do not tell the light well, between some luxels that get
+    /// a hemicube of their own.
     #[default]
     Interpolate,
     /// A hemicube at every luxel.
     Luxel,
+}
+
+/// How and how well.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct GatherSettings {
+    /// The way.
+    pub gather: Gather,
+    /// Luxels are interpolated where what is known around them differs from a linear function by at most
+    /// this share, root mean square, of the mean of the local light and that of the whole map. Above 0;
+    /// infinite is allowed.
+    pub error: f64,
+    /// Cells of the hemicubes at luxels.
+    pub hemicube: HemicubeSize,
 }
 
 /// The solution that luxels gather from.
@@ -44,7 +57,7 @@ pub struct Sources<'a> {
 pub fn indirect(
     sources: Sources<'_>,
     samples: &[Vec<Sample>],
-    (gather, size): (Gather, HemicubeSize),
+    settings: GatherSettings,
     advance: impl Fn(u64) + Sync,
 ) -> (Vec<Vec<StyleLight>>, u64) {
     if sources.light.is_empty() {
@@ -60,10 +73,11 @@ pub fn indirect(
             light: vec![None; samples.len()],
         })
         .collect();
+    let size = settings.hemicube;
     let drawn = Drawn { sources, delta: DeltaFormFactors::new(size), size };
     let mut hemicubes = 0;
-    if gather == Gather::Interpolate {
-        let mut known = known_patches(sources);
+    if settings.gather == Gather::Interpolate {
+        let mut known = known_patches(sources, settings.error);
         interpolate(sources, &known, &mut faces);
         // Every other luxel of those left, and then the rest between them.
         hemicubes += drawn.fill(&mut faces, |s, t| s % 2 == 0 && t % 2 == 0, Some(&mut known));
@@ -117,8 +131,8 @@ impl Face<'_> {
 }
 
 /// The patches as known points.
-fn known_patches(sources: Sources<'_>) -> Interpolator {
-    let mut known = Interpolator::new(sources.light.len());
+fn known_patches(sources: Sources<'_>, error: f64) -> Interpolator {
+    let mut known = Interpolator::new(sources.light.len(), error);
     for (i, patch) in sources.patches.set.patches.iter().enumerate() {
         let point = Known::new(patch.eye, patch.normal, sources.transfers.openness(i));
         known.add(point, sources.light.iter().map(|l| l.irradiance[i].0.as_dvec3()));
@@ -167,21 +181,20 @@ impl Drawn<'_> {
             light.iter().map(|l| l.exitance.iter().map(|m| m.0).collect()).collect();
         let drawn: Vec<Vec<(Known, Vec<DVec3>)>> = faces
             .par_iter_mut()
-            .enumerate()
             .map_init(
                 || {
                     Gatherer::new(&scene.tracer, &patches.set, &self.delta, self.size)
                         .with_intervals(patches.intervals.len(), LUXEL)
                 },
-                |gatherer, (number, face)| {
+                |gatherer, face| {
                     let width = face.width;
                     let here: Vec<usize> =
                         face.missing().filter(|i| wanted(i % width, i / width)).collect();
                     here.into_iter()
                         .map(|i| {
                             let sample = face.sample(i);
-                            let seed = (number as u64) << 32 | i as u64;
-                            gatherer.look(&View::turned(sample.position, sample.normal, seed));
+                            let (at, seed) = (sample.position, seed(sample.position));
+                            gatherer.look(&View::turned(at, sample.normal, seed));
                             let mut light = Vec::new();
                             gatherer.irradiance(&exitance, &mut light);
                             self.add_detail(gatherer.intervals(), &mut light);
@@ -213,4 +226,12 @@ impl Drawn<'_> {
             }
         }
     }
+}
+
+/// Seed of the turn of a luxel's hemicube. It follows from the place, so that luxels of two faces in
+/// one place get the same light.
+fn seed(position: Vec3) -> u64 {
+    (position * 8.0).round().to_array().iter().fold(0, |seed: u64, &x| {
+        (seed ^ u64::from((x as i32).cast_unsigned())).wrapping_mul(0x9E37_79B9_7F4A_7C15)
+    })
 }

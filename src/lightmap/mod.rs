@@ -12,7 +12,7 @@ mod vanilla;
 pub use atlas::dump;
 pub use faces::finish_faces;
 pub use finish::{FinishSettings, FinishedFace, FinishedStyle, Smoothing, StyleChoice, finish};
-pub use indirect::{Gather, Sources, indirect};
+pub use indirect::{Gather, GatherSettings, Sources, indirect};
 pub use pack::{Block, Packed, Vanilla, hdr_colour, pack};
 pub use probes::probes;
 pub use vanilla::vanilla_copies;
