@@ -88,7 +88,13 @@ pub struct Settings {
 
 impl Default for Settings {
     fn default() -> Self {
-        let quality = Quality::default();
+        Self::of_quality(Quality::default())
+    }
+}
+
+impl Settings {
+    /// The settings of a quality; all else is as by default.
+    pub fn of_quality(quality: Quality) -> Self {
         let cells = quality.hemicube();
         Self {
             hemicube: HemicubeSize::new(cells, cells).expect("even and in range"),
@@ -105,9 +111,7 @@ impl Default for Settings {
             outputs: Outputs::default(),
         }
     }
-}
 
-impl Settings {
     /// The settings, if every value is in its range.
     ///
     /// # Errors
