@@ -69,7 +69,6 @@ pub fn indirect(
         .map(|(samples, surface)| Face {
             samples: if surface.light_ignore { &[] } else { samples },
             normal: surface.normal,
-            width: surface.luxels.as_ref().map_or(1, |g| g.width as usize),
             light: vec![None; samples.len()],
         })
         .collect();
@@ -80,10 +79,10 @@ pub fn indirect(
         let mut known = known_patches(sources, settings.error);
         interpolate(sources, &known, &mut faces);
         // Every other luxel of those left, and then the rest between them.
-        hemicubes += drawn.fill(&mut faces, |s, t| s % 2 == 0 && t % 2 == 0, Some(&mut known));
+        hemicubes += drawn.fill(&mut faces, every_other, Some(&mut known));
         interpolate(sources, &known, &mut faces);
     }
-    hemicubes += drawn.fill(&mut faces, |_, _| true, None);
+    hemicubes += drawn.fill(&mut faces, |_| true, None);
     let maps = faces
         .into_par_iter()
         .map(|face| {
@@ -98,7 +97,6 @@ pub fn indirect(
 struct Face<'a> {
     samples: &'a [Sample],
     normal: Vec3,
-    width: usize,
     /// Irradiance in every style, where it is known by now.
     light: Vec<Option<Vec<DVec3>>>,
 }
@@ -168,12 +166,12 @@ struct Drawn<'a> {
 }
 
 impl Drawn<'_> {
-    /// Draws a hemicube at every luxel (column, row) that still needs light and is `wanted`; adds
+    /// Draws a hemicube at every luxel that still needs light and is `wanted`; adds
     /// them to `known`. Returns how many.
     fn fill(
         &self,
         faces: &mut [Face<'_>],
-        wanted: impl Fn(usize, usize) -> bool + Sync,
+        wanted: impl Fn(&Sample) -> bool + Sync,
         known: Option<&mut Interpolator>,
     ) -> u64 {
         let Sources { scene, patches, light, .. } = self.sources;
@@ -187,9 +185,8 @@ impl Drawn<'_> {
                         .with_intervals(patches.intervals.len(), LUXEL)
                 },
                 |gatherer, face| {
-                    let width = face.width;
                     let here: Vec<usize> =
-                        face.missing().filter(|i| wanted(i % width, i / width)).collect();
+                        face.missing().filter(|&i| wanted(&face.sample(i))).collect();
                     here.into_iter()
                         .map(|i| {
                             let sample = face.sample(i);
@@ -234,4 +231,12 @@ fn seed(position: Vec3) -> u64 {
     (position * 8.0).round().to_array().iter().fold(0, |seed: u64, &x| {
         (seed ^ u64::from((x as i32).cast_unsigned())).wrapping_mul(0x9E37_79B9_7F4A_7C15)
     })
+}
+
+/// Whether a luxel is one of those in even columns and rows of a grid of luxels in the world: the same
+/// for two faces that have a luxel in one place.
+fn every_other(sample: &Sample) -> bool {
+    let steep = sample.normal.abs().max_position();
+    let even = |k: usize| (sample.position[k] / LUXEL).round() as i32 % 2 == 0;
+    (0..3).filter(|&k| k != steep).all(even)
 }
