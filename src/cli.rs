@@ -4,6 +4,7 @@ use crate::engine::Engine;
 use crate::lightmap::{DebugView, Gather, Smoothing};
 use crate::outputs::{DirectionFile, LitFile, Outputs, Scope};
 use crate::radiosity::hemicube::HemicubeSize;
+use crate::radiosity::near_pairs::NearLimits;
 use crate::scene::{ALL_BOUNCES, LightGrid, LuxelSettings};
 use crate::settings::{Quality, Settings, SurfaceLights};
 use crate::{Error, Result};
@@ -55,25 +56,25 @@ pub struct Cli {
     #[arg(long, value_name = "SHARE", default_value_t = 1e-5, help_heading = "Bounced light")]
     pub residual: f64,
 
-    /// Edge of a hemicube in cells, even: more is finer and slower
-    #[arg(long, value_name = "CELLS", default_value_t = 64, help_heading = "Bounced light")]
-    pub hemicube: u32,
-
-    /// How exact the form factors of a text scene are
-    #[arg(long, value_enum, default_value_t, requires = "patches", help_heading = "Bounced light")]
-    pub quality: QualityArg,
+    /// How much work goes into bounced light; the three options below change single parts of it
+    #[arg(long, value_enum, default_value_t, help_heading = "Bounced light")]
+    pub quality: Quality,
 
     /// Improve what one hemicube a patch gets wrong in a text scene: near, large and bright pairs
     #[arg(long, value_enum, default_value_t, requires = "patches", help_heading = "Bounced light")]
     pub near_field: NearFieldArg,
 
-    /// Longest edge of a patch in luxels (one luxel is 16 units)
-    #[arg(long, value_name = "LUXELS", default_value_t = 4, help_heading = "Bounced light")]
-    pub patch_size: u32,
+    /// Edge of a hemicube in cells, even: more is finer and slower [default: 32; final: 64]
+    #[arg(long, value_name = "CELLS", help_heading = "Bounced light")]
+    pub hemicube: Option<u32>,
 
-    /// How bounced light gets from patches to luxels
-    #[arg(long, value_enum, default_value_t, help_heading = "Bounced light")]
-    pub gather: GatherArg,
+    /// Longest edge of a patch in luxels (one luxel is 16 units) [default: 2; draft: 4]
+    #[arg(long, value_name = "LUXELS", help_heading = "Bounced light")]
+    pub patch_size: Option<u32>,
+
+    /// How bounced light gets from patches to luxels [default: interpolate; final: luxel]
+    #[arg(long, value_enum, help_heading = "Bounced light")]
+    pub gather: Option<GatherArg>,
 
     /// Factor on how much light textures send back
     #[arg(long, value_name = "FACTOR", default_value_t = 1.0, help_heading = "Materials")]
@@ -318,27 +319,12 @@ pub enum GridFormatArg {
 }
 
 /// Spelling of [`Gather`].
-#[derive(Clone, Copy, Debug, Default, ValueEnum)]
+#[derive(Clone, Copy, Debug, ValueEnum)]
 pub enum GatherArg {
-    /// Between the patches around a luxel: fast
-    #[default]
+    /// Between the patches around a luxel, where they tell it well: fast
     Interpolate,
     /// A hemicube at every luxel: slow, sharpest
     Luxel,
-}
-
-/// Spelling of [`Quality`].
-#[derive(Clone, Copy, Debug, Default, ValueEnum)]
-pub enum QualityArg {
-    /// Errors of about 1 %
-    Draft,
-    /// Errors below 0.5 %
-    #[default]
-    Normal,
-    /// Between normal and final
-    High,
-    /// Errors of about 0.1 %: slow
-    Final,
 }
 
 /// Whether near pairs get more than a hemicube.
@@ -406,9 +392,10 @@ impl Cli {
         if self.bounces == Some(BounceCount::All) {
             overrides.push(("bounce".into(), ALL_BOUNCES.into()));
         }
+        let cells = self.hemicube.unwrap_or(self.quality.hemicube());
         Settings {
-            hemicube: HemicubeSize::new(self.hemicube, self.hemicube)?,
-            patch_size: self.patch_size,
+            hemicube: HemicubeSize::new(cells, cells)?,
+            patch_size: self.patch_size.unwrap_or(self.quality.patch_size()),
             bounces: match self.bounces {
                 Some(BounceCount::Most(n)) => Some(n),
                 _ => None,
@@ -416,9 +403,11 @@ impl Cli {
             residual: self.residual,
             smoothing: self.smoothing()?,
             gather: match self.gather {
-                GatherArg::Interpolate => Gather::Interpolate,
-                GatherArg::Luxel => Gather::Luxel,
+                None => self.quality.gather(),
+                Some(GatherArg::Interpolate) => Gather::Interpolate,
+                Some(GatherArg::Luxel) => Gather::Luxel,
             },
+            gather_error: self.quality.gather_error(),
             reflectance_scale: self.reflectance_scale,
             grey: self.grey,
             compat_bounce: self.compat_bounce,
@@ -433,15 +422,9 @@ impl Cli {
         .checked()
     }
 
-    /// The quality of a text scene.
-    pub fn quality(&self) -> Quality {
-        match (self.near_field, self.quality) {
-            (NearFieldArg::Off, _) => Quality::Plain,
-            (_, QualityArg::Draft) => Quality::Draft,
-            (_, QualityArg::Normal) => Quality::Normal,
-            (_, QualityArg::High) => Quality::High,
-            (_, QualityArg::Final) => Quality::Final,
-        }
+    /// Which pairs of patches of a text scene get more than a hemicube; `None` for none.
+    pub fn near(&self) -> Option<NearLimits> {
+        (self.near_field == NearFieldArg::On).then(|| self.quality.near())
     }
 
     /// Samples a luxel and blur.

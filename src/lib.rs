@@ -32,7 +32,7 @@ use outputs::Scope;
 use patch::{TextPatches, TextScene};
 use progress::Progress;
 use radiosity::hemicube::HemicubeSize;
-use radiosity::near_pairs::{Importance, NearPairs};
+use radiosity::near_pairs::{Importance, NearLimits, NearPairs};
 use radiosity::solve::{Limits, Solution, Sources, solve};
 use radiosity::transfers::Transfers;
 use radiosity::visibility::Occluders;
@@ -53,16 +53,16 @@ const ROUGH_PASSES: u32 = 16;
 /// # Errors
 /// When the scene's hemicube size is out of range.
 pub fn light_patches(scene: &TextScene, progress: &Progress) -> Result<(Transfers, Solution)> {
-    light_patches_with(scene, Quality::default(), progress)
+    light_patches_with(scene, Some(Quality::default().near()), progress)
 }
 
-/// As [`light_patches`], with form factors of the given quality.
+/// As [`light_patches`], with closed forms within the limits given, or without any.
 ///
 /// # Errors
 /// When the scene's hemicube size is out of range.
 pub fn light_patches_with(
     scene: &TextScene,
-    quality: Quality,
+    near: Option<NearLimits>,
     progress: &Progress,
 ) -> Result<(Transfers, Solution)> {
     let size = HemicubeSize::new(scene.hemicube[0], scene.hemicube[1])?;
@@ -72,7 +72,7 @@ pub fn light_patches_with(
         Transfers::compute(&patches.tracer, &patches.set, size, |n| stage.advance(n))
     };
     let sources = Sources { emission: &patches.emission, direct: &[] };
-    if let Some(near) = quality.near() {
+    if let Some(near) = near {
         let stage = progress.stage("near pairs", patches.set.patches.len());
         let rough = Limits { passes: Some(scene.passes.min(ROUGH_PASSES)), residual: 1e-2 };
         let first = solve(&transfers, &patches.reflectance(), sources, rough);

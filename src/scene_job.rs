@@ -17,7 +17,7 @@ pub fn run(cli: &Cli, path: &Path, visible: bool) -> anyhow::Result<()> {
     let name = path.display().to_string();
     let scene = TextScene::parse(decode(&bytes, &name)?, &name)?;
     let progress = Progress::new(visible);
-    let (transfers, solution) = light_patches_with(&scene, cli.quality(), &progress)?;
+    let (transfers, solution) = light_patches_with(&scene, cli.near(), &progress)?;
     let exitance: Vec<[f64; 3]> =
         solution.exitance.iter().map(|m| m.0.as_dvec3().to_array()).collect();
     let text = scene.lit(&exitance).to_text();

@@ -144,7 +144,7 @@ pub(crate) fn gather(
     progress: &Progress,
 ) -> Gathered {
     let stage = progress.stage("gather", samples.iter().map(Vec::len).sum());
-    let how = (settings.gather, settings.hemicube);
+    let how = settings.gathering();
     let (maps, hemicubes) = lightmap::indirect(sources, samples, how, |n| stage.advance(n));
     Gathered { maps, hemicubes }
 }

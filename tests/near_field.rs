@@ -7,6 +7,7 @@ use proptest::prelude::*;
 use qrad::light_patches_with;
 use qrad::patch::Quad;
 use qrad::progress::Progress;
+use qrad::radiosity::near_pairs::NearLimits;
 use qrad::radiosity::solve::Solution;
 use qrad::radiosity::transfers::Transfers;
 use qrad::settings::Quality;
@@ -18,8 +19,8 @@ const Y: DVec3 = DVec3::Y;
 const Z: DVec3 = DVec3::Z;
 const GREY: Light = Light { exitance: 0.5, reflectance: 0.5 };
 
-fn lit(quads: Vec<Quad>, cells: u32, quality: Quality) -> (Transfers, Solution) {
-    light_patches_with(&scene(quads, cells, 1000), quality, &Progress::new(false)).unwrap()
+fn lit(quads: Vec<Quad>, cells: u32, near: Option<NearLimits>) -> (Transfers, Solution) {
+    light_patches_with(&scene(quads, cells, 1000), near, &Progress::new(false)).unwrap()
 }
 
 fn factor(transfers: &Transfers, i: usize, j: usize) -> f64 {
@@ -41,18 +42,18 @@ fn a_pair_has_the_form_factor_of_the_catalogue_at_any_distance() {
         [(0.01, 0.980_494_2), (0.1, 0.826_994_5), (1.0, 0.199_824_9), (10.0, 0.003_162_06)]
     {
         let (quads, _) = pair([O, X, Y], [Z * z, Y, X]);
-        let got = factor(&lit(quads, 32, Quality::Normal).0, 0, 1);
+        let got = factor(&lit(quads, 32, Some(Quality::Normal.near())).0, 0, 1);
         assert!((got / want - 1.0).abs() < 1e-3, "{z}: {got} instead of {want}");
     }
     let (quads, _) = pair([O, X, Y], [O, Y, Z]);
-    let got = factor(&lit(quads, 32, Quality::Normal).0, 0, 1);
+    let got = factor(&lit(quads, 32, Some(Quality::Normal.near())).0, 0, 1);
     assert!((got / 0.200_043_78 - 1.0).abs() < 1e-3, "{got}");
 }
 
 #[test]
 fn plain_quality_leaves_the_hemicube_alone() {
     let (quads, _) = pair([O, X, Y], [Z, Y, X]);
-    let got = factor(&lit(quads, 256, Quality::Plain).0, 0, 1);
+    let got = factor(&lit(quads, 256, None).0, 0, 1);
     assert!((got / 0.239_3 - 1.0).abs() < 0.005, "a middle sees more: {got}");
 }
 
@@ -82,7 +83,7 @@ proptest! {
             heights.iter().any(|&h| h < 0.0) && heights.iter().any(|&h| h > 0.0)
         };
         prop_assume!(!(crosses(&quads[0], &quads[1]) || crosses(&quads[1], &quads[0])));
-        let (transfers, _) = lit(quads, 32, Quality::Final);
+        let (transfers, _) = lit(quads, 32, Some(Quality::Final.near()));
         let (there, back) = (areas[0] * factor(&transfers, 0, 1), areas[1] * factor(&transfers, 1, 0));
         let larger = there.max(back);
         prop_assert!((there - back).abs() <= 2e-3 * larger + 1e-5 * areas[0].min(areas[1]), "{there} {back}");
@@ -103,7 +104,9 @@ fn room_with_box() -> Vec<Quad> {
 #[test]
 fn rows_of_closed_rooms_still_sum_to_one() {
     let empty = cuboid(O, DVec3::new(3.0, 4.0, 2.5), 4, true, GREY);
-    for quality in [Quality::Draft, Quality::Normal, Quality::Final] {
+    for quality in
+        [Some(Quality::Draft.near()), Some(Quality::Normal.near()), Some(Quality::Final.near())]
+    {
         for sum in sums(&lit(empty.clone(), 32, quality).0) {
             assert!((sum - 1.0).abs() < 1e-5, "{quality:?}: {sum}");
         }
@@ -111,14 +114,14 @@ fn rows_of_closed_rooms_still_sum_to_one() {
     let mut floating = cuboid(O, DVec3::new(3.0, 4.0, 2.5), 3, true, GREY);
     let corners = (DVec3::new(0.7, 1.1, 0.6), DVec3::new(1.9, 2.3, 1.4));
     floating.extend(cuboid(corners.0, corners.1, 2, false, GREY));
-    for sum in sums(&lit(floating, 32, Quality::Normal).0) {
+    for sum in sums(&lit(floating, 32, Some(Quality::Normal.near())).0) {
         assert!((sum - 1.0).abs() < 1e-5, "{sum}");
     }
 }
 
 #[test]
 fn covered_parts_of_a_patch_receive_nothing() {
-    let (transfers, _) = lit(room_with_box(), 32, Quality::Normal);
+    let (transfers, _) = lit(room_with_box(), 32, Some(Quality::Normal.near()));
     // The floor is side 4: nine patches of 1 x 4/3; the box covers 1.44 of its 12.
     let floor: Vec<f64> = sums(&transfers).skip(4 * 9).take(9).collect();
     let open = floor.iter().sum::<f64>() / 9.0 * 12.0;
@@ -136,7 +139,7 @@ fn light_between_bright_and_dark_patches_is_the_same_both_ways() {
             0.5 * (q.vertices[2] - q.vertices[0]).cross(q.vertices[3] - q.vertices[1]).length()
         })
         .collect();
-    let (transfers, _) = lit(quads, 64, Quality::Normal);
+    let (transfers, _) = lit(quads, 64, Some(Quality::Normal.near()));
     let (mut error, mut all) = (0.0, 0.0);
     for i in 0..transfers.rows() {
         for j in 0..i {

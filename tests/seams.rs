@@ -9,7 +9,7 @@ use qrad::settings::Settings;
 use support::lit_map::Prepared;
 use support::map_builder::MapBuilder;
 
-/// A room with a pillar and a light off the middle, its sides cut into faces of at most `cell` units.
+/// A room with a pillar of two brushes and a light off the middle, its sides cut into faces of at most `cell` units.
 fn room(cell: f32) -> Prepared {
     let light = "{\n\"classname\" \"light\"\n\"origin\" \"90 -70 60\"\n\"light\" \"400\"\n}\n";
     let bsp = MapBuilder::room([-192.0, -192.0, 0.0], [192.0, 192.0, 160.0])
@@ -17,6 +17,7 @@ fn room(cell: f32) -> Prepared {
         .solid_texture("red", 0xf7)
         .room_textures([1, 0, 0, 0, 0, 0])
         .pillar([-64.0, -32.0, 0.0], [-32.0, 16.0, 96.0], 1)
+        .pillar([-32.0, -32.0, 0.0], [0.0, 16.0, 96.0], 0)
         .subdivide(cell)
         .entities(format!("{{\n\"classname\" \"worldspawn\"\n}}\n{light}"))
         .build(Format::Bsp2);

@@ -6,6 +6,7 @@ use glam::DVec3;
 use qrad::light_patches_with;
 use qrad::patch::{Quad, TextScene};
 use qrad::progress::Progress;
+use qrad::radiosity::near_pairs::NearLimits;
 use qrad::radiosity::solve::Solution;
 use qrad::settings::Quality;
 use std::path::{Path, PathBuf};
@@ -82,8 +83,8 @@ fn known_scenes(shared: &Path) -> Vec<(String, TextScene, Vec<Truth>)> {
 /// Scenes with so many patches that they take as long as all others together.
 const LARGE: [&str; 2] = ["cornell_2000", "cornell_8000"];
 
-fn solve(scene: &TextScene, quality: Quality) -> (Vec<DVec3>, Solution) {
-    let (_, solution) = light_patches_with(scene, quality, &Progress::new(false)).unwrap();
+fn solve(scene: &TextScene, near: Option<NearLimits>) -> (Vec<DVec3>, Solution) {
+    let (_, solution) = light_patches_with(scene, near, &Progress::new(false)).unwrap();
     (solution.exitance.iter().map(|m| m.0.as_dvec3()).collect(), solution)
 }
 
@@ -95,7 +96,7 @@ fn known_scenes_have_the_known_light() {
         if LARGE.contains(&&*name) {
             continue;
         }
-        let (got, solution) = solve(&scene, Quality::Normal);
+        let (got, solution) = solve(&scene, Some(Quality::Normal.near()));
         assert!(got.iter().all(|m| m.is_finite() && m.min_element() >= 0.0), "{name}");
         assert!(solution.settled || solution.passes == scene.passes, "{name}");
         let Score { rms, worst } = score(&scene, &truth, &got);
@@ -114,7 +115,7 @@ fn plain_hemicubes_match_exact_form_factors_from_centres() {
             continue;
         }
         let centre = read_truth(&shared.join(format!("scenes/truth/centre/{name}.csv")));
-        let Score { rms, .. } = score(&scene, &centre, &solve(&scene, Quality::Plain).0);
+        let Score { rms, .. } = score(&scene, &centre, &solve(&scene, None).0);
         println!("{name}: {:.4} % from exact form factors from centres", 100.0 * rms);
         // What is left is how fine the cells are.
         assert!(rms <= 0.02, "{name}: {rms}");
@@ -130,7 +131,12 @@ fn accuracy_table() {
     println!("|---|---|---|---|---|---|");
     for (name, scene, truth) in known_scenes(&shared) {
         print!("| {name} | {} |", scene.patches.len());
-        for quality in [Quality::Plain, Quality::Draft, Quality::Normal, Quality::Final] {
+        for quality in [
+            None,
+            Some(Quality::Draft.near()),
+            Some(Quality::Normal.near()),
+            Some(Quality::Final.near()),
+        ] {
             let start = std::time::Instant::now();
             let (got, _) = solve(&scene, quality);
             let time = start.elapsed().as_secs_f64();

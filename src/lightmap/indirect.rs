@@ -11,15 +11,31 @@ use crate::scene::{Sample, Scene, ShadowRays};
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
+/// Width of a luxel in world units, unless the map asks for another.
+const LUXEL: f32 = 16.0;
+
 /// How indirect light gets from patches to luxels.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Gather {
-    /// Interpolate between patches; where they are too far apart for what is near, between some
-    /// luxels that get a hemicube of their own.
+    /// Interpolate between patches; where they do not tell the light well, between some luxels that get
+    /// a hemicube of their own.
     #[default]
     Interpolate,
     /// A hemicube at every luxel.
     Luxel,
+}
+
+/// How and how well.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct GatherSettings {
+    /// The way.
+    pub gather: Gather,
+    /// Luxels are interpolated where what is known around them differs from a linear function by at most
+    /// this share, root mean square, of the mean of the local light and that of the whole map. Above 0;
+    /// infinite is allowed.
+    pub error: f64,
+    /// Cells of the hemicubes at luxels.
+    pub hemicube: HemicubeSize,
 }
 
 /// The solution that luxels gather from.
@@ -41,7 +57,7 @@ pub struct Sources<'a> {
 pub fn indirect(
     sources: Sources<'_>,
     samples: &[Vec<Sample>],
-    (gather, size): (Gather, HemicubeSize),
+    settings: GatherSettings,
     advance: impl Fn(u64) + Sync,
 ) -> (Vec<Vec<StyleLight>>, u64) {
     if sources.light.is_empty() {
@@ -53,20 +69,20 @@ pub fn indirect(
         .map(|(samples, surface)| Face {
             samples: if surface.light_ignore { &[] } else { samples },
             normal: surface.normal,
-            width: surface.luxels.as_ref().map_or(1, |g| g.width as usize),
             light: vec![None; samples.len()],
         })
         .collect();
+    let size = settings.hemicube;
     let drawn = Drawn { sources, delta: DeltaFormFactors::new(size), size };
     let mut hemicubes = 0;
-    if gather == Gather::Interpolate {
-        let mut known = known_patches(sources);
+    if settings.gather == Gather::Interpolate {
+        let mut known = known_patches(sources, settings.error);
         interpolate(sources, &known, &mut faces);
         // Every other luxel of those left, and then the rest between them.
-        hemicubes += drawn.fill(&mut faces, |s, t| s % 2 == 0 && t % 2 == 0, Some(&mut known));
+        hemicubes += drawn.fill(&mut faces, every_other, Some(&mut known));
         interpolate(sources, &known, &mut faces);
     }
-    hemicubes += drawn.fill(&mut faces, |_, _| true, None);
+    hemicubes += drawn.fill(&mut faces, |_| true, None);
     let maps = faces
         .into_par_iter()
         .map(|face| {
@@ -81,7 +97,6 @@ pub fn indirect(
 struct Face<'a> {
     samples: &'a [Sample],
     normal: Vec3,
-    width: usize,
     /// Irradiance in every style, where it is known by now.
     light: Vec<Option<Vec<DVec3>>>,
 }
@@ -114,8 +129,8 @@ impl Face<'_> {
 }
 
 /// The patches as known points.
-fn known_patches(sources: Sources<'_>) -> Interpolator {
-    let mut known = Interpolator::new(sources.light.len());
+fn known_patches(sources: Sources<'_>, error: f64) -> Interpolator {
+    let mut known = Interpolator::new(sources.light.len(), error);
     for (i, patch) in sources.patches.set.patches.iter().enumerate() {
         let point = Known::new(patch.eye, patch.normal, sources.transfers.openness(i));
         known.add(point, sources.light.iter().map(|l| l.irradiance[i].0.as_dvec3()));
@@ -151,12 +166,12 @@ struct Drawn<'a> {
 }
 
 impl Drawn<'_> {
-    /// Draws a hemicube at every luxel (column, row) that still needs light and is `wanted`; adds
+    /// Draws a hemicube at every luxel that still needs light and is `wanted`; adds
     /// them to `known`. Returns how many.
     fn fill(
         &self,
         faces: &mut [Face<'_>],
-        wanted: impl Fn(usize, usize) -> bool + Sync,
+        wanted: impl Fn(&Sample) -> bool + Sync,
         known: Option<&mut Interpolator>,
     ) -> u64 {
         let Sources { scene, patches, light, .. } = self.sources;
@@ -164,20 +179,22 @@ impl Drawn<'_> {
             light.iter().map(|l| l.exitance.iter().map(|m| m.0).collect()).collect();
         let drawn: Vec<Vec<(Known, Vec<DVec3>)>> = faces
             .par_iter_mut()
-            .enumerate()
             .map_init(
-                || Gatherer::new(scene.bounce_tracer(), &patches.set, &self.delta, self.size),
-                |gatherer, (number, face)| {
-                    let width = face.width;
+                || {
+                    Gatherer::new(scene.bounce_tracer(), &patches.set, &self.delta, self.size)
+                        .with_intervals(patches.intervals.len(), LUXEL)
+                },
+                |gatherer, face| {
                     let here: Vec<usize> =
-                        face.missing().filter(|i| wanted(i % width, i / width)).collect();
+                        face.missing().filter(|&i| wanted(&face.sample(i))).collect();
                     here.into_iter()
                         .map(|i| {
                             let sample = face.sample(i);
-                            let seed = (number as u64) << 32 | i as u64;
-                            gatherer.look(&View::turned(sample.position, sample.normal, seed));
+                            let (at, seed) = (sample.position, seed(sample.position));
+                            gatherer.look(&View::turned(at, sample.normal, seed));
                             let mut light = Vec::new();
                             gatherer.irradiance(&exitance, &mut light);
+                            self.add_detail(gatherer.intervals(), &mut light);
                             face.light[i] = Some(light.clone());
                             let openness = gatherer.openness();
                             (Known::new(sample.position, sample.normal, openness), light)
@@ -194,4 +211,32 @@ impl Drawn<'_> {
         }
         count
     }
+
+    /// Adds what the light of the `intervals` seen from nearby differs from that of their patches.
+    fn add_detail(&self, intervals: &[(u32, f64)], light: &mut [DVec3]) {
+        for &(interval, f) in intervals {
+            let (surface, k) = self.sources.patches.intervals.place(interval);
+            for (sum, style) in light.iter_mut().zip(self.sources.light) {
+                if let Some(more) = style.detail.get(surface).and_then(|d| d.get(k)) {
+                    *sum += more.as_dvec3() * f;
+                }
+            }
+        }
+    }
+}
+
+/// Seed of the turn of a luxel's hemicube. It follows from the place, so that luxels of two faces in
+/// one place get the same light.
+fn seed(position: Vec3) -> u64 {
+    (position * 8.0).round().to_array().iter().fold(0, |seed: u64, &x| {
+        (seed ^ u64::from((x as i32).cast_unsigned())).wrapping_mul(0x9E37_79B9_7F4A_7C15)
+    })
+}
+
+/// Whether a luxel is one of those in even columns and rows of a grid of luxels in the world: the same
+/// for two faces that have a luxel in one place.
+fn every_other(sample: &Sample) -> bool {
+    let steep = sample.normal.abs().max_position();
+    let even = |k: usize| (sample.position[k] / LUXEL).round() as i32 % 2 == 0;
+    (0..3).filter(|&k| k != steep).all(even)
 }

@@ -43,14 +43,20 @@ pub(super) struct Interpolator {
     known: Vec<Known>,
     /// Irradiance of each point, `styles` entries each.
     irradiance: Vec<DVec3>,
+    /// Brightness of each point: the sum over all styles of the mean of the channels.
+    level: Vec<f64>,
+    /// Sum of that over all points.
+    sum: f64,
     styles: usize,
+    error: f64,
     cells: HashMap<[i32; 3], Vec<u32>>,
 }
 
 impl Interpolator {
-    /// No points yet; each will have irradiance in `styles` styles.
-    pub fn new(styles: usize) -> Self {
-        Self { styles, ..Self::default() }
+    /// No points yet; each will have irradiance in `styles` styles. `error` is what interpolation may
+    /// differ by, see [`GatherSettings`](super::GatherSettings).
+    pub fn new(styles: usize, error: f64) -> Self {
+        Self { styles, error, ..Self::default() }
     }
 
     /// Adds a point and its irradiance in every style.
@@ -58,7 +64,11 @@ impl Interpolator {
         let index = self.known.len() as u32;
         self.cells.entry(cell(point.position)).or_default().push(index);
         self.known.push(point);
+        let before = self.irradiance.len();
         self.irradiance.extend(irradiance);
+        let level = self.irradiance[before..].iter().map(|e| e.element_sum() / 3.0).sum::<f64>();
+        self.level.push(level);
+        self.sum += level;
     }
 
     /// Points that may matter to some of the samples, in ascending order.
@@ -79,7 +89,7 @@ impl Interpolator {
     }
 
     /// Irradiance at `sample` in each style; false if the points around that can be seen from it do
-    /// not tell it well enough.
+    /// not tell it well enough or do not agree.
     pub fn at(
         &self,
         shadows: &mut ShadowRays<'_>,
@@ -90,6 +100,7 @@ impl Interpolator {
         let (tangent, bitangent) = sample.normal.any_orthonormal_pair();
         let mut moments = DMat3::ZERO;
         let mut used: Vec<(u32, DVec3)> = Vec::new();
+        let (mut rhs, mut squares) = (DVec3::ZERO, 0.0);
         for &i in candidates {
             let point = &self.known[i as usize];
             let offset = point.position - sample.position;
@@ -101,17 +112,32 @@ impl Interpolator {
             let basis = DVec3::new(1.0, along(tangent), along(bitangent));
             moments += DMat3::from_cols(basis * basis.x, basis * basis.y, basis * basis.z) * weight;
             used.push((i, basis * weight));
+            let level = self.level[i as usize];
+            rhs += basis * (weight * level);
+            squares += weight * level * level;
         }
         if moments.x_axis.x < ENOUGH {
             return false;
         }
+        let total = moments.x_axis.x;
         // Relative to how far the points are spread, so that dense points may show steep gradients.
         let spread = moments.y_axis.y + moments.z_axis.z;
-        moments.y_axis.y += RIDGE * spread + 1e-9;
-        moments.z_axis.z += RIDGE * spread + 1e-9;
+        let ridge = RIDGE * spread + 1e-9;
+        moments.y_axis.y += ridge;
+        moments.z_axis.z += ridge;
         // The fit's value at the luxel is the first entry of inverse x right-hand side: a weighted
         // sum of the points' values with these coefficients.
-        let first = moments.inverse().transpose().x_axis;
+        let inverse = moments.inverse();
+        let first = inverse.transpose().x_axis;
+        // Weighted mean square of what the points differ from the fit by.
+        let fit = inverse * rhs;
+        let held = ridge * (fit.y * fit.y + fit.z * fit.z);
+        let residual = (squares - fit.dot(rhs) - held).max(0.0) / total;
+        let mean = self.sum / self.known.len() as f64;
+        let tolerance = self.error * 0.5 * (fit.x.abs() + mean.abs());
+        if residual > tolerance * tolerance {
+            return false;
+        }
         out.clear();
         out.extend((0..self.styles).map(|style| {
             let value = |i: u32| self.irradiance[i as usize * self.styles + style];

@@ -35,6 +35,9 @@ pub struct PatchGrid {
     pub blocks: Vec<PatchId>,
     /// Blocks in a row.
     pub columns: usize,
+    /// Number of the first luxel interval of the face among those of the map: see
+    /// [`Detail`](super::Detail).
+    pub first_interval: u32,
 }
 
 impl PatchGrid {
@@ -44,6 +47,13 @@ impl PatchGrid {
         let column = self.block_column[(s as usize).min(self.block_column.len() - 1)];
         let row = self.block_row[(t as usize).min(self.block_row.len() - 1)];
         self.blocks[row as usize * self.columns + column as usize]
+    }
+
+    /// Number of the luxel interval at luxel coordinates, points outside as for [`at`](Self::at).
+    pub fn interval(&self, s: f32, t: f32) -> u32 {
+        let column = (s as usize).min(self.block_column.len() - 1);
+        let row = (t as usize).min(self.block_row.len() - 1);
+        self.first_interval + (row * self.block_column.len() + column) as u32
     }
 
     /// The patch at a world point.

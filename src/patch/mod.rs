@@ -1,5 +1,6 @@
 //! Patches: the pieces of surface between which light is exchanged, from maps and from text scenes.
 
+mod detail;
 mod lookup;
 mod polygon2;
 mod subdivide;
@@ -8,6 +9,7 @@ mod text_lines;
 mod text_patches;
 mod text_scene;
 
+pub use detail::{Detail, Intervals};
 pub use lookup::{PatchGrid, PatchLookup, PolygonPatches};
 pub use subdivide::{Emission, MapPatches};
 pub use text_check::{MAX_HEMICUBE, MAX_IMAGE, MAX_REFLECTANCE};

@@ -5,7 +5,7 @@
 //! no second sampling exists.
 
 use super::polygon2::{moments, strip};
-use super::{Patch, PatchGrid, PatchId, PatchLookup, PatchSet, PolygonPatches};
+use super::{Intervals, Patch, PatchGrid, PatchId, PatchLookup, PatchSet, PolygonPatches};
 use crate::photometry::{Exitance, Irradiance, Reflectance};
 use crate::scene::{Emitter, LuxelGrid, Sample, Scene, Surface};
 use glam::{DVec2, Vec2};
@@ -29,6 +29,8 @@ pub struct MapPatches {
     pub luxels: Vec<Vec<(u32, f32)>>,
     /// First patch of each surface, and one more entry: surface i has `first[i]..first[i + 1]`.
     pub first: Vec<u32>,
+    /// Their luxel intervals.
+    pub intervals: Intervals,
 }
 
 /// Light that the patches of a map give off by themselves, in one style.
@@ -54,6 +56,8 @@ struct Block {
 struct FaceBlocks {
     grid: PatchGrid,
     blocks: Vec<Block>,
+    /// Corner weights of each luxel interval.
+    intervals: Vec<[f32; 4]>,
 }
 
 impl MapPatches {
@@ -70,18 +74,27 @@ impl MapPatches {
         let mut grids = Vec::with_capacity(faces.len());
         for (index, face) in faces.into_iter().enumerate() {
             patches.first.push(patches.surface.len() as u32);
+            patches.intervals.next_surface();
             grids.push(face.map(|face| patches.add_face(scene, samples, index, face)));
         }
         patches.first.push(patches.surface.len() as u32);
-        let divide = |surface: Option<u32>| {
-            let surface = surface.filter(|&s| scene.surfaces[s as usize].reflects);
+        patches.intervals.next_surface();
+        let grid_of = |surface: Option<u32>| {
+            let surface = surface.filter(|&s| scene.surfaces[s as usize].reflects)?;
             // Slats of a fence share its patches.
-            match surface.and_then(|s| grids[s as usize].as_ref()) {
-                Some(grid) if !grid.blocks.is_empty() => PolygonPatches::Grid(grid.clone()),
-                _ => PolygonPatches::None,
-            }
+            let grid = grids[surface as usize].as_ref().filter(|g| !g.blocks.is_empty())?;
+            Some((surface, grid.clone()))
         };
-        let divisions = scene.bounce_surfaces().map(divide).collect();
+        let mut divisions = Vec::new();
+        for (polygon, surface) in scene.bounce_surfaces().enumerate() {
+            divisions.push(match grid_of(surface) {
+                Some((surface, grid)) => {
+                    patches.intervals.polygons[surface as usize] = Some(polygon as u32);
+                    PolygonPatches::Grid(grid)
+                }
+                None => PolygonPatches::None,
+            });
+        }
         patches.set.lookup = PatchLookup::new(divisions);
         patches
     }
@@ -98,6 +111,7 @@ impl MapPatches {
         let luxels = surface.luxels.as_ref().expect("only faces with luxels are cut");
         let unit = f64::from(luxels.s_step.cross(luxels.t_step).length());
         let mut grid = face.grid;
+        grid.first_interval = self.intervals.add(luxels.width, face.intervals.iter().copied());
         let kept: Vec<bool> = face.blocks.iter().map(|b| b.area > SMALLEST).collect();
         let mut number = self.surface.len() as u32;
         let numbers: Vec<u32> = kept
@@ -174,6 +188,7 @@ fn cut(surface: &Surface, luxels: &LuxelGrid, samples: &[Sample], size: u32) -> 
     let count = |d: &[u16]| d.last().map_or(0, |&b| b as usize + 1);
     let columns = count(&block_column);
     let mut blocks = vec![Block::default(); columns * count(&block_row)];
+    let mut pieces = vec![[0.0; 4]; intervals[0] as usize * intervals[1] as usize];
     let outline: Vec<DVec2> =
         surface.vertices.iter().map(|&v| luxels.luxel_of(v).as_dvec2()).collect();
     for j in 0..intervals[1] {
@@ -188,7 +203,10 @@ fn cut(surface: &Surface, luxels: &LuxelGrid, samples: &[Sample], size: u32) -> 
             block.area += area;
             block.moment += moment;
             let inside = (moment / area - DVec2::new(f64::from(i), f64::from(j))).as_vec2();
-            add_corners(&mut block.luxels, luxels.width, [i, j], inside, area as f32, samples);
+            let corners = corners(luxels.width, [i, j], inside, samples);
+            pieces[(j * intervals[0] + i) as usize] = corners.map(|c| c.1);
+            let weighed = corners.into_iter().filter(|c| c.1 > 0.0);
+            block.luxels.extend(weighed.map(|(l, w)| (l, w * area as f32)));
         }
     }
     for block in &mut blocks {
@@ -201,8 +219,9 @@ fn cut(surface: &Surface, luxels: &LuxelGrid, samples: &[Sample], size: u32) -> 
         block_row,
         blocks: Vec::new(),
         columns,
+        first_interval: 0,
     };
-    FaceBlocks { grid, blocks }
+    FaceBlocks { grid, blocks, intervals: pieces }
 }
 
 /// Luxels along a patch: `size` of the luxels that the texture gives, whatever the size of those that
@@ -224,16 +243,9 @@ fn division(intervals: u32, size: u32) -> Vec<u16> {
         .collect()
 }
 
-/// Adds the four luxels around a piece of an interval: bilinear weights at its centroid, times its
-/// area, shared out among those that are not inside solid.
-fn add_corners(
-    list: &mut Vec<(u32, f32)>,
-    width: u32,
-    interval: [u32; 2],
-    inside: Vec2,
-    area: f32,
-    samples: &[Sample],
-) {
+/// The four luxels around a piece of an interval and their bilinear weights at its centroid, shared out
+/// among those that are not inside solid: they sum to 1, or to 0 if all are.
+fn corners(width: u32, interval: [u32; 2], inside: Vec2, samples: &[Sample]) -> [(u32, f32); 4] {
     let corners = [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(di, dj)| {
         let luxel = (interval[1] + dj) * width + interval[0] + di;
         let along = |d: u32, x: f32| if d == 0 { 1.0 - x } else { x };
@@ -242,9 +254,7 @@ fn add_corners(
         (luxel, if free { weight } else { 0.0 })
     });
     let sum: f32 = corners.iter().map(|c| c.1).sum();
-    if sum > 0.0 {
-        list.extend(corners.iter().filter(|c| c.1 > 0.0).map(|&(l, w)| (l, w / sum * area)));
-    }
+    corners.map(|(l, w)| (l, if sum > 0.0 { w / sum } else { 0.0 }))
 }
 
 /// Merges entries of the same luxel and makes the weights sum to 1.

@@ -3,7 +3,7 @@
 use super::solve::{Limits, Sources, solve};
 use super::transfers::Transfers;
 use crate::light::StyleLight;
-use crate::patch::{Emission, MapPatches};
+use crate::patch::{Detail, Emission, MapPatches};
 use crate::photometry::{Exitance, Irradiance, Reflectance};
 use crate::scene::BounceSettings;
 use glam::DVec3;
@@ -19,6 +19,8 @@ pub struct PatchLight {
     pub exitance: Vec<Exitance>,
     /// Indirect irradiance of each patch: what it receives from that exitance.
     pub irradiance: Vec<Irradiance>,
+    /// How the exitance of luxel intervals differs from that of their patches.
+    pub detail: Detail,
 }
 
 /// All styles of a map.
@@ -46,7 +48,9 @@ pub fn bounce(
     let reflectance: Vec<Reflectance> = patches.set.patches.iter().map(|p| p.reflectance).collect();
     let mut bounced = Bounced::default();
     for style in styles(direct, emission) {
-        let mut arriving = patches.mean_irradiance(&luxels_of(direct, style));
+        let luxels = luxels_of(direct, style);
+        let mut arriving = patches.mean_irradiance(&luxels);
+        let of_lights = arriving.clone();
         let dark = vec![Exitance::ZERO; reflectance.len()];
         let own = emission.iter().find(|e| e.style == style);
         // Emission that bounces by another factor than it shines with is direct light that happens to
@@ -72,6 +76,11 @@ pub fn bounce(
         bounced.styles.push(PatchLight {
             style,
             irradiance: received(transfers, &solution.exitance),
+            detail: if limits.passes == Some(0) {
+                Vec::new()
+            } else {
+                patches.detail(&luxels, &of_lights)
+            },
             exitance: solution.exitance,
         });
     }

@@ -147,15 +147,26 @@ impl Transfers {
     }
 }
 
+/// The luxel intervals that a hemicube shows from nearby.
+#[derive(Default)]
+struct Near {
+    /// Cells beyond this depth are too wide to tell intervals apart; 0 if they are not wanted.
+    reach: f32,
+    /// Sum for each interval; zero outside a call of `look`.
+    sums: Vec<f32>,
+    row: Vec<(u32, f64)>,
+}
+
 /// Turns hemicubes into sums over patches. Holds the buffers that are reused.
 pub struct Gatherer<'a> {
     tracer: &'a Tracer,
     patches: &'a PatchSet,
     delta: &'a DeltaFormFactors,
     buffer: ItemBuffer,
-    /// Sum for each patch; zero outside a call of `row`.
+    /// Sum for each patch; zero outside a call of `look`.
     sums: Vec<f64>,
     row: Vec<(PatchId, f64)>,
+    near: Near,
 }
 
 impl<'a> Gatherer<'a> {
@@ -173,7 +184,17 @@ impl<'a> Gatherer<'a> {
             buffer: ItemBuffer::new(size),
             sums: vec![0.0; patches.patches.len()],
             row: Vec::new(),
+            near: Near::default(),
         }
+    }
+
+    /// The same, but it also tells apart the `intervals` luxel intervals of the map, of which a luxel is
+    /// `luxel` world units wide: see [`intervals`](Self::intervals).
+    pub fn with_intervals(mut self, intervals: usize, luxel: f32) -> Self {
+        let width = self.buffer.size().width() as f32;
+        self.near =
+            Near { reach: 0.5 * width * luxel, sums: vec![0.0; intervals], row: Vec::new() };
+        self
     }
 
     /// Draws the hemicube of `view`; the other functions tell what it shows.
@@ -181,13 +202,28 @@ impl<'a> Gatherer<'a> {
         self.buffer.draw(self.tracer, view);
         self.row.clear();
         let (sums, row) = (&mut self.sums, &mut self.row);
-        for_each_patch(&self.buffer, self.tracer, self.patches, self.delta, view, |patch, f| {
+        let near = &mut self.near;
+        let (reach, fine, fine_row) = (near.reach, &mut near.sums, &mut near.row);
+        fine_row.clear();
+        let seen = (&self.buffer, self.tracer, self.patches, self.delta);
+        for_each_patch(seen, view, reach, |patch, interval, f| {
             let sum = &mut sums[patch.0 as usize];
             if *sum == 0.0 {
                 row.push((patch, 0.0));
             }
             *sum += f64::from(f);
+            if let Some(interval) = interval {
+                let sum = &mut fine[interval as usize];
+                if *sum == 0.0 {
+                    fine_row.push((interval, 0.0));
+                }
+                *sum += f;
+            }
         });
+        fine_row.sort_unstable_by_key(|&(interval, _)| interval);
+        for (interval, f) in fine_row.iter_mut() {
+            *f = std::mem::take(&mut fine[*interval as usize]).into();
+        }
         row.sort_unstable_by_key(|&(patch, _)| patch);
         for (patch, f) in row.iter_mut() {
             *f = std::mem::take(&mut sums[patch.0 as usize]);
@@ -197,6 +233,12 @@ impl<'a> Gatherer<'a> {
     /// Form factors from the point looked from to all patches seen, in ascending order of patch.
     pub fn row(&self) -> &[(PatchId, f64)] {
         &self.row
+    }
+
+    /// Form factors from the point looked from to the luxel intervals that are near enough to be told
+    /// apart, by ascending number of the interval; part of what [`row`](Self::row) has.
+    pub fn intervals(&self) -> &[(u32, f64)] {
+        &self.near.row
     }
 
     /// Irradiance at the point looked from when patch j has exitance `exitance[j]`, for each style.
@@ -224,14 +266,13 @@ impl<'a> Gatherer<'a> {
     }
 }
 
-/// Calls `visit(patch, form factor)` for every cell or run of cells that shows the front of a patch.
+/// Calls `visit(patch, luxel interval, form factor)` for every cell or run of cells that shows the front
+/// of a patch; intervals are told up to depth `reach`.
 fn for_each_patch(
-    buffer: &ItemBuffer,
-    tracer: &Tracer,
-    patches: &PatchSet,
-    delta: &DeltaFormFactors,
+    (buffer, tracer, patches, delta): (&ItemBuffer, &Tracer, &PatchSet, &DeltaFormFactors),
     view: &View,
-    mut visit: impl FnMut(PatchId, f32),
+    reach: f32,
+    mut visit: impl FnMut(PatchId, Option<u32>, f32),
 ) {
     let size = buffer.size();
     buffer.for_each_row(|cells| {
@@ -256,7 +297,7 @@ fn for_each_patch(
             match division {
                 PolygonPatches::None => {}
                 PolygonPatches::Whole(patch) => {
-                    visit(*patch, weights[first..to].iter().sum());
+                    visit(*patch, None, weights[first..to].iter().sum());
                 }
                 PolygonPatches::Grid(grid) => {
                     // Luxel coordinates along the ray: at the eye, plus direction / nearness.
@@ -272,11 +313,10 @@ fn for_each_patch(
                     let cells = cells.nearness.iter().zip(weights).enumerate();
                     for (i, (near, weight)) in cells.take(to).skip(first) {
                         let depth = 1.0 / near;
-                        let patch = grid.at(
-                            s.0 + (s.1 + s.2 * i as f32) * depth,
-                            t.0 + (t.1 + t.2 * i as f32) * depth,
-                        );
-                        visit(patch, *weight);
+                        let column = s.0 + (s.1 + s.2 * i as f32) * depth;
+                        let row = t.0 + (t.1 + t.2 * i as f32) * depth;
+                        let interval = (depth < reach).then(|| grid.interval(column, row));
+                        visit(grid.at(column, row), interval, *weight);
                     }
                 }
             }

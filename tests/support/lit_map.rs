@@ -2,7 +2,7 @@
 
 use qrad::bsp::Bsp;
 use qrad::light::{DirectLight, StyleLight, bounce_source, direct};
-use qrad::lightmap::{Gather, Sources, indirect};
+use qrad::lightmap::{Gather, GatherSettings, Sources, indirect};
 use qrad::patch::MapPatches;
 use qrad::radiosity::bounce::{Bounced, bounce};
 use qrad::radiosity::solve::Limits;
@@ -59,7 +59,8 @@ impl Prepared {
             .map(|(direct, samples)| bounce_source(direct, samples, 1, 1))
             .collect();
         let bounced = bounce(patches, transfers, &arriving, &emission, limits, |_| {});
-        let how = (gather, settings.hemicube);
+        let how =
+            GatherSettings { gather, error: settings.gather_error, hemicube: settings.hemicube };
         let sources = Sources { scene, patches, transfers, light: &bounced.styles };
         let (indirect, _) = indirect(sources, samples, how, |_| {});
         Lit { direct, bounced, indirect }

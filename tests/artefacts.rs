@@ -1,0 +1,153 @@
+//! What bounced light must not look like: light behind closed walls and under doors, black luxels where
+//! brushes nearly touch, rings at the borders of patches.
+
+mod support;
+
+use glam::Vec3;
+use qrad::bsp::Format;
+use qrad::lightmap::Gather;
+use qrad::settings::Settings;
+use support::lit_map::Prepared;
+use support::map_builder::MapBuilder;
+
+const GATHERS: [Gather; 2] = [Gather::Interpolate, Gather::Luxel];
+
+/// A room of 384 x 384 x 192 units, grey all over.
+fn room() -> MapBuilder {
+    MapBuilder::room([-192.0, -192.0, 0.0], [192.0, 192.0, 192.0]).solid_texture("grey", 12)
+}
+
+/// Worldspawn and a light at `origin`, and then `more`.
+fn lit_from(origin: &str, more: &str) -> String {
+    format!(
+        "{{\n\"classname\" \"worldspawn\"\n}}\n\
+         {{\n\"classname\" \"light\"\n\"origin\" \"{origin}\"\n\"light\" \"500\"\n}}\n{more}"
+    )
+}
+
+/// A luxel that is not in solid: where it takes its light, and its bounced light in light units.
+struct Luxel {
+    face: usize,
+    at: [usize; 2],
+    position: Vec3,
+    light: f32,
+}
+
+/// All free luxels of a map.
+fn luxels(map: &Prepared, gather: Gather) -> Vec<Luxel> {
+    let lit = map.light(gather);
+    let mut all = Vec::new();
+    for (face, samples) in map.samples.iter().enumerate() {
+        let width = map.scene.surfaces[face].luxels.as_ref().map_or(1, |g| g.width as usize);
+        for (i, sample) in samples.iter().enumerate().filter(|(_, s)| !s.occluded) {
+            let light = lit.indirect[face].first().map_or(Vec3::ZERO, |m| m.irradiance[i].0);
+            assert!(light.is_finite() && light.min_element() >= 0.0, "face {face}: {light}");
+            let (position, at) = (sample.position, [i % width, i / width]);
+            all.push(Luxel { face, at, position, light: light.x });
+        }
+    }
+    all
+}
+
+/// Largest light of the luxels that `dark` picks, and mean light of the others.
+fn leak(map: &Prepared, gather: Gather, dark: impl Fn(Vec3) -> bool) -> (f32, f32) {
+    let (beyond, lit): (Vec<_>, Vec<_>) =
+        luxels(map, gather).into_iter().partition(|l| dark(l.position));
+    assert!(beyond.len() > 500 && lit.len() > 500, "{} {}", beyond.len(), lit.len());
+    let mean = lit.iter().map(|l| l.light).sum::<f32>() / lit.len() as f32;
+    (beyond.iter().map(|l| l.light).fold(0.0, f32::max), mean)
+}
+
+/// Two brushes that meet within the wall make it thicker than the luxels are wide, so that no luxel
+/// interval of the floor, which runs on under it, has corners on both sides.
+#[test]
+fn no_light_gets_through_a_wall_or_the_joint_of_its_brushes() {
+    let bsp = room()
+        .pillar([-16.0, -192.0, 0.0], [16.0, 40.0, 192.0], 0)
+        .pillar([-16.0, 40.0, 0.0], [16.0, 192.0, 192.0], 0)
+        .entities(lit_from("-90 30 80", ""))
+        .build(Format::Bsp2);
+    let map = Prepared::new(&bsp, Settings::default(), false);
+    for gather in GATHERS {
+        let (most, mean) = leak(&map, gather, |p| p.x > 15.0);
+        println!("wall, {gather:?}: at most {most} beyond, {mean} on the lit side");
+        assert!(mean > 5.0 && most <= 1e-4 * mean, "{gather:?}: {most} of {mean}");
+    }
+}
+
+/// A door thinner than a luxel, on a floor that runs on under it. It stands over a row of luxels; one that
+/// stands between two rows leaks: docs/accuracy.md.
+#[test]
+fn hardly_any_light_gets_under_a_closed_door() {
+    let door = "{\n\"classname\" \"func_door\"\n\"model\" \"*1\"\n\"_shadow\" \"1\"\n}\n";
+    let bsp = room()
+        .model([-4.0, -192.0, 0.0], [4.0, 192.0, 192.0], Some(0))
+        .entities(lit_from("-90 30 80", door))
+        .build(Format::Bsp2);
+    let map = Prepared::new(&bsp, Settings::default(), false);
+    for gather in GATHERS {
+        let (most, mean) = leak(&map, gather, |p| p.x > 3.0);
+        println!("door, {gather:?}: at most {most} beyond, {mean} on the lit side");
+        assert!(mean > 5.0 && most <= 0.02 * mean, "{gather:?}: {most} of {mean}");
+    }
+}
+
+/// Two pillars 2 units apart, and one 1 unit from the wall.
+#[test]
+fn no_luxel_is_black_where_brushes_nearly_touch() {
+    let bsp = room()
+        .pillar([-65.0, -32.0, 0.0], [-1.0, 32.0, 96.0], 0)
+        .pillar([1.0, -32.0, 0.0], [65.0, 32.0, 96.0], 0)
+        .pillar([-32.0, 127.0, 0.0], [32.0, 191.0, 128.0], 0)
+        .entities(lit_from("100 -110 120", ""))
+        .build(Format::Bsp2);
+    let map = Prepared::new(&bsp, Settings::default(), false);
+    for gather in GATHERS {
+        let all = luxels(&map, gather);
+        let light = |face, at| all.iter().find(|l| l.face == face && l.at == at).map(|l| l.light);
+        let (mut least, mut seen) = (f32::INFINITY, 0);
+        for luxel in &all {
+            let [s, t] = luxel.at;
+            let around = [[s.wrapping_sub(1), t], [s + 1, t], [s, t.wrapping_sub(1)], [s, t + 1]];
+            let near: Vec<f32> = around.iter().filter_map(|&at| light(luxel.face, at)).collect();
+            let in_slit = luxel.position.x.abs() < 1.5 && luxel.position.y.abs() < 32.0
+                || luxel.position.y > 190.0 && luxel.position.x.abs() < 32.0;
+            if near.len() < 3 || in_slit {
+                continue;
+            }
+            seen += 1;
+            least = least.min(luxel.light / (near.iter().sum::<f32>() / near.len() as f32));
+        }
+        println!("{gather:?}: {seen} luxels, at least {least} of those around");
+        assert!(seen > 2000 && least > 0.4, "{gather:?}: {least}");
+    }
+}
+
+/// Interpolation may not be dimmer or brighter at the borders of patches than in their middles: both
+/// differ equally from the light that a hemicube at each luxel finds.
+#[test]
+fn no_rings_at_the_borders_of_patches() {
+    for patch_size in [2, 4] {
+        let bsp = room().entities(lit_from("60 -40 90", "")).build(Format::Bsp2);
+        let map = Prepared::new(&bsp, Settings { patch_size, ..Settings::default() }, false);
+        let [smooth, exact] = GATHERS.map(|gather| luxels(&map, gather));
+        // Ratio of the sums at luxels on a border of patches, and at the others.
+        let mut sums = [[0.0_f64; 2]; 2];
+        for (a, b) in smooth.iter().zip(&exact) {
+            let grid = map.scene.surfaces[a.face].luxels.as_ref().unwrap();
+            let intervals = [grid.width as usize - 1, grid.height as usize - 1];
+            let on_border = (0..2).any(|k| a.at[k].is_multiple_of(patch_size as usize));
+            let inner = (0..2).all(|k| a.at[k] > 1 && a.at[k] + 1 < intervals[k]);
+            assert!((0..2).all(|k| intervals[k].is_multiple_of(patch_size as usize)));
+            if inner {
+                let sum = &mut sums[usize::from(on_border)];
+                sum[0] += f64::from(a.light);
+                sum[1] += f64::from(b.light);
+            }
+        }
+        let [middle, border] = sums.map(|s| s[0] / s[1]);
+        println!("patches of {patch_size}: {middle:.5} in the middle, {border:.5} at borders");
+        assert!((border / middle - 1.0).abs() < 0.005, "{middle} {border}");
+        assert!((middle - 1.0).abs() < 0.01 && (border - 1.0).abs() < 0.01, "{middle} {border}");
+    }
+}
