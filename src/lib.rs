@@ -28,11 +28,12 @@ pub use error::{Error, Result};
 use bsp::{Bsp, MipTex};
 use lightmap::FinishedFace;
 use outputs::Scope;
-use patch::{TextPatches, TextScene};
+use patch::{MAX_REFLECTANCE, TextPatches, TextScene};
 use progress::Progress;
 use radiosity::hemicube::HemicubeSize;
 use radiosity::solve::{Limits, Solution, Sources, solve};
 use radiosity::transfers::Transfers;
+use radiosity::trapped;
 use report::Counts;
 use scene::{Scene, Sidecar};
 use settings::Settings;
@@ -53,11 +54,19 @@ pub fn light_patches(scene: &TextScene, progress: &Progress) -> Result<(Transfer
         let stage = progress.stage("form factors", patches.set.patches.len());
         Transfers::compute(&patches.tracer, &patches.set, size, |n| stage.advance(n))
     };
+    let mut reflectance = patches.reflectance();
+    let changed = trapped::let_out(&transfers, &mut reflectance, MAX_REFLECTANCE as f32);
+    if changed > 0 {
+        log::warn!(
+            "nothing absorbs the light of {changed} patches, which would never settle; their \
+             reflectances are lowered to {MAX_REFLECTANCE}"
+        );
+    }
     let sources = Sources { emission: &patches.emission, direct: &[] };
     let limits = Limits { passes: Some(scene.passes), residual: TEXT_RESIDUAL };
     let solution = {
         let _stage = progress.stage("passes", scene.passes as usize);
-        solve(&transfers, &patches.reflectance(), sources, limits)
+        solve(&transfers, &reflectance, sources, limits)
     };
     Ok((transfers, solution))
 }

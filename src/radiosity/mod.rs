@@ -6,3 +6,4 @@ pub mod hemicube;
 pub mod per_ray;
 pub mod solve;
 pub mod transfers;
+pub mod trapped;
