@@ -2,7 +2,7 @@
 
 use anyhow::Context;
 use glam::Vec3;
-use qrad::bsp::{Bsp, MipTex, load_wad, parse_entities};
+use qrad::bsp::{Bsp, MipTex, load_wad, parse_entities, read_hdr_lit, read_lit};
 use qrad::cli::Cli;
 use qrad::outputs::Scope;
 use qrad::progress::Progress;
@@ -11,17 +11,21 @@ use qrad::report::Report;
 use qrad::scene::Sidecar;
 use qrad::{MapLight, light_bsp, lightmap, output};
 use std::path::{Path, PathBuf};
+use std::sync::Mutex;
 use std::time::Instant;
 
-/// Lights the map in `path` and writes what the command line asks for.
-pub fn run(cli: &Cli, path: &Path, visible: bool) -> anyhow::Result<()> {
+/// Lights the map in `path` and writes what the command line asks for, files of the map with `writing`
+/// locked.
+pub fn run(cli: &Cli, path: &Path, visible: bool, writing: &Mutex<()>) -> anyhow::Result<()> {
     let start = Instant::now();
     let settings = cli.settings()?;
     let mut bsp = Bsp::read(&read(path)?).with_context(|| path.display().to_string())?;
     let target = cli.output.as_deref().unwrap_or(path);
     if settings.outputs.scope == Scope::EntitiesOnly {
         bsp.rewrite_entities().with_context(|| path.display().to_string())?;
-        output::write(target, &bsp.write()?)?;
+        let map = bsp.write()?;
+        let _whole = writing.lock();
+        output::write(target, &map)?;
         return Ok(());
     }
     let camera = cli.camera()?;
@@ -38,6 +42,8 @@ pub fn run(cli: &Cli, path: &Path, visible: bool) -> anyhow::Result<()> {
     for sentence in &lit.scene.warnings {
         log::warn!("{sentence}");
     }
+    note_damaged_lit(&target.with_extension("lit"));
+    let whole = writing.lock();
     let mut written = match (settings.outputs.scope, &lit.lit) {
         (Scope::LitOnly, Some(file)) => {
             let path = target.with_extension("lit");
@@ -49,11 +55,14 @@ pub fn run(cli: &Cli, path: &Path, visible: bool) -> anyhow::Result<()> {
     if let Some(folder) = &cli.dump_lightmaps {
         written.extend(dump(folder, &lit)?);
     }
+    drop(whole);
     if let Some(picture) = &cli.preview {
         let _stage = progress.stage("preview", 1);
         let map = LitMap::new(&bsp, lit.rgb.as_deref(), &textures)?;
         let camera = preview_camera(&bsp, &map, camera, size)?;
-        output::write_png(picture, &map.draw(&camera))?;
+        let drawn = map.draw(&camera);
+        let _whole = writing.lock();
+        output::write_png(picture, &drawn)?;
         written.push(picture.clone());
     }
     if let Some(engine) = cli.outputs.engine {
@@ -74,6 +83,14 @@ pub fn run(cli: &Cli, path: &Path, visible: bool) -> anyhow::Result<()> {
         print!("{report}");
     }
     Ok(())
+}
+
+/// Says so when the `.lit` file that is about to be replaced is none.
+fn note_damaged_lit(path: &Path) {
+    let Ok(bytes) = std::fs::read(path) else { return };
+    if let (Err(error), Err(_)) = (read_lit(&bytes), read_hdr_lit(&bytes)) {
+        log::warn!("{}: {error}; it is replaced", path.display());
+    }
 }
 
 fn read(path: &Path) -> anyhow::Result<Vec<u8>> {

@@ -162,7 +162,10 @@ fn dihedral_angles_from_a_tenth_to_179_point_9_degrees_have_hottels_form_factor(
         // An eye stands over its patch by a millionth of the scene: what is nearer, it cannot see.
         let unseen = 40e-6 / degrees.to_radians().sin();
         println!("wedge of {degrees} degrees: form factor {between:.5}, exact {want:.5}");
-        assert!((between - want).abs() < 0.01 + unseen, "{degrees} degrees: {between} instead of {want}");
+        assert!(
+            (between - want).abs() < 0.01 + unseen,
+            "{degrees} degrees: {between} instead of {want}"
+        );
     }
 }
 

@@ -82,7 +82,9 @@ fn faces_without_area_are_unlit_and_named_and_change_nothing_else() {
     let named = light.scene.warnings.iter().any(|w| w.contains("without area"));
     assert!(named, "{:?}", light.scene.warnings);
     for (face, before) in plain.faces.iter().enumerate() {
-        let levels = |f: &qrad::lightmap::FinishedFace| f.styles.iter().map(|s| s.levels.clone()).collect::<Vec<_>>();
+        let levels = |f: &qrad::lightmap::FinishedFace| {
+            f.styles.iter().map(|s| s.levels.clone()).collect::<Vec<_>>()
+        };
         assert_eq!(levels(before), levels(&light.faces[face]), "face {face}");
     }
     let last = map.faces.len() - 3;
@@ -121,7 +123,8 @@ fn sliver_faces_1_to_1000_and_1_to_100000_keep_every_invariant() {
 fn touching_crossing_and_coincident_faces_keep_every_invariant() {
     let flat = |z: f32| (carpet(Vec3::new(40.0, 40.0, z), [80.0, 64.0]), Vec3::Z);
     // Twice in one place, on the floor itself, and one that leans through both.
-    let slope = [[40.0, 40.0, 16.0], [40.0, 104.0, 16.0], [120.0, 104.0, 48.0], [120.0, 40.0, 48.0]];
+    let slope =
+        [[40.0, 40.0, 16.0], [40.0, 104.0, 16.0], [120.0, 104.0, 48.0], [120.0, 40.0, 48.0]];
     let normal = Vec3::new(-0.4, 0.0, 1.0).normalize();
     let slope = (slope.map(Vec3::from).to_vec(), normal);
     hold("odd faces", &with_faces(&[flat(32.0), flat(32.0), flat(0.0), slope]), OPEN);
@@ -145,7 +148,9 @@ fn a_room_whose_textures_are_all_transparent_keeps_every_invariant() {
         .solid_texture("{fence", 255)
         .pillar([64.0, 64.0, 0.0], [96.0, 96.0, 64.0], 0)
         .model([120.0, 120.0, 0.0], [140.0, 140.0, 64.0], Some(0))
-        .entities(light("96 30 100", "200") + &entity("func_wall", &[("model", "*1"), ("_shadow", "1")]))
+        .entities(
+            light("96 30 100", "200") + &entity("func_wall", &[("model", "*1"), ("_shadow", "1")]),
+        )
         .build(Format::Bsp29);
     hold("all transparent", &map, OPEN);
 }
@@ -154,15 +159,18 @@ fn a_room_whose_textures_are_all_transparent_keeps_every_invariant() {
 fn a_leaky_map_keeps_every_invariant() {
     // The ceiling is missing and a second light is outside.
     let mut map = room().build(Format::Bsp29);
-    let ceiling = (0..map.faces.len())
-        .find(|&f| map.face_plane(f).normal == -Vec3::Z)
-        .unwrap();
+    let ceiling = (0..map.faces.len()).find(|&f| map.face_plane(f).normal == -Vec3::Z).unwrap();
     map.faces.remove(ceiling);
     for mark in &mut map.marksurfaces {
         *mark = (*mark).min(map.faces.len() as u32 - 1);
     }
     map.models[0].face_count -= 1;
-    map.entities = [light("96 80 60", "200").as_bytes(), entity("light", &[("origin", "96 80 400")]).as_bytes(), b"\0"].concat();
+    map.entities = [
+        light("96 80 60", "200").as_bytes(),
+        entity("light", &[("origin", "96 80 400")]).as_bytes(),
+        b"\0",
+    ]
+    .concat();
     hold("leaky", &map.assemble().unwrap(), OPEN);
 }
 
@@ -226,7 +234,12 @@ fn faces_in_another_order_have_the_same_light() {
         let other = &turned.faces[count - 1 - face].styles;
         assert_eq!(plain.faces[face].styles.len(), other.len(), "face {face}");
         for (a, b) in plain.faces[face].styles.iter().zip(other) {
-            off += a.light.iter().zip(&b.light).map(|(a, b)| (*a - *b).abs().element_sum()).sum::<f32>();
+            off += a
+                .light
+                .iter()
+                .zip(&b.light)
+                .map(|(a, b)| (*a - *b).abs().element_sum())
+                .sum::<f32>();
             all += a.light.iter().map(|l| l.element_sum()).sum::<f32>();
         }
     }

@@ -96,7 +96,8 @@ pub fn text(bytes: &[u8]) {
         return;
     }
     let scene = TextScene { hemicube: [8, 8], passes: scene.passes.min(50), ..scene };
-    let (_, solution) = qrad::light_patches(&scene, &Progress::new(false)).expect("a size in range");
+    let (_, solution) =
+        qrad::light_patches(&scene, &Progress::new(false)).expect("a size in range");
     assert!(solution.exitance.iter().all(|m| m.0.is_finite() && m.0.min_element() >= 0.0));
 }
 

@@ -99,12 +99,16 @@ fn check_monotone(case: &str, map: &Bsp, light: &MapLight, settings: &Settings) 
     let (more, _) = lit(&brighter, settings, 2);
     let styles = |l: &MapLight| -> Vec<(usize, u8, Vec<Vec3>)> {
         let faces = l.faces.iter().enumerate();
-        faces.flat_map(|(f, face)| face.styles.iter().map(move |s| (f, s.style, s.light.clone()))).collect()
+        faces
+            .flat_map(|(f, face)| face.styles.iter().map(move |s| (f, s.style, s.light.clone())))
+            .collect()
     };
-    let most = styles(light).iter().flat_map(|s| s.2.clone()).map(|l| l.max_element()).fold(0.0, f32::max);
+    let most =
+        styles(light).iter().flat_map(|s| s.2.clone()).map(|l| l.max_element()).fold(0.0, f32::max);
     for (face, style, before) in styles(light) {
         let found = more.faces[face].styles.iter().find(|s| s.style == style);
-        let after = &found.unwrap_or_else(|| panic!("{case}: face {face} loses style {style}")).light;
+        let after =
+            &found.unwrap_or_else(|| panic!("{case}: face {face} loses style {style}")).light;
         for (a, b) in after.iter().zip(&before) {
             let ends = Vec3::splat(most * 1e-4 + 1e-3);
             assert!(a.cmpge(*b - ends).all(), "{case}: face {face} falls from {b} to {a}");

@@ -40,9 +40,7 @@ pub fn add_face(map: &mut Bsp, vertices: &[Vec3], normal: Vec3, miptex: i32) {
 /// A regular polygon that looks up, clockwise seen from above.
 pub fn disc(middle: Vec3, radius: f32, corners: usize) -> Vec<Vec3> {
     let angle = |i: usize| -std::f32::consts::TAU * i as f32 / corners as f32;
-    (0..corners)
-        .map(|i| middle + Vec3::new(angle(i).cos(), angle(i).sin(), 0.0) * radius)
-        .collect()
+    (0..corners).map(|i| middle + Vec3::new(angle(i).cos(), angle(i).sin(), 0.0) * radius).collect()
 }
 
 /// A rectangle that looks up, clockwise seen from above.
