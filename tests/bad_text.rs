@@ -103,19 +103,8 @@ fn with_entities(text: &str) -> Bsp {
 
 #[test]
 fn every_value_of_every_entity_may_be_anything() {
-    let bad = [
-        "nan",
-        "inf",
-        "-1e38",
-        "1e38",
-        "1e39",
-        "99999999999",
-        "-99999999999",
-        "",
-        "x y z",
-        "*-1",
-        "1e-38",
-    ];
+    // One number and three, since a key may want either.
+    let bad = ["nan", "-1e38", "1e38 1e38 1e38", "1e39", "99999999999", "", "-1e-38 x"];
     let lines: Vec<&str> = tiny::ENTITIES.lines().collect();
     for (number, line) in lines.iter().enumerate().filter(|(_, l)| l.starts_with('"')) {
         let key = line.split('"').nth(1).unwrap();
@@ -124,8 +113,6 @@ fn every_value_of_every_entity_may_be_anything() {
             lines[number] = format!("\"{key}\" \"{value}\"");
             let text = lines.join("\n");
             attacks::light_with(with_entities(&text), Default::default());
-            lines[number] = format!("\"{key}\" \"{value} {value} {value}\"");
-            attacks::light_with(with_entities(&lines.join("\n")), Default::default());
         }
     }
 }

@@ -9,6 +9,7 @@ pub const ENTITIES: &str = r#"{
 "_sunlight" "50"
 "_sun_mangle" "30 -60 0"
 "_sunlight2" "20"
+"_sunsamples" "8"
 "_dirt" "1"
 "_minlight" "5"
 "light" "1"
