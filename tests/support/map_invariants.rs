@@ -104,7 +104,7 @@ fn check_monotone(case: &str, map: &Bsp, light: &MapLight, settings: &Settings) 
             .collect()
     };
     let most =
-        styles(light).iter().flat_map(|s| s.2.clone()).map(|l| l.max_element()).fold(0.0, f32::max);
+        styles(light).iter().flat_map(|s| s.2.clone()).map(Vec3::max_element).fold(0.0, f32::max);
     for (face, style, before) in styles(light) {
         let found = more.faces[face].styles.iter().find(|s| s.style == style);
         let after =
