@@ -29,12 +29,13 @@ pub use store::Files;
 use bsp::{Bsp, MipTex};
 use lightmap::FinishedFace;
 use outputs::Scope;
-use patch::{TextPatches, TextScene};
+use patch::{MAX_REFLECTANCE, TextPatches, TextScene};
 use progress::Progress;
 use radiosity::hemicube::HemicubeSize;
 use radiosity::near_pairs::{Importance, NearLimits, NearPairs};
 use radiosity::solve::{Limits, Solution, Sources, solve};
 use radiosity::transfers::Transfers;
+use radiosity::trapped;
 use radiosity::visibility::Occluders;
 use report::Counts;
 use scene::{Scene, Sidecar};
@@ -71,6 +72,14 @@ pub fn light_patches_with(
         let stage = progress.stage("form factors", patches.set.patches.len());
         Transfers::compute(&patches.tracer, &patches.set, size, |n| stage.advance(n))
     };
+    let mut reflectance = patches.reflectance();
+    let changed = trapped::let_out(&transfers, &mut reflectance, MAX_REFLECTANCE as f32);
+    if changed > 0 {
+        log::warn!(
+            "nothing absorbs the light of {changed} patches, which would never settle; their \
+             reflectances are lowered to {MAX_REFLECTANCE}"
+        );
+    }
     let sources = Sources { emission: &patches.emission, direct: &[] };
     if let Some(near) = near {
         let stage = progress.stage("near pairs", patches.set.patches.len());
@@ -84,7 +93,7 @@ pub fn light_patches_with(
     let limits = Limits { passes: Some(scene.passes), residual: TEXT_RESIDUAL };
     let solution = {
         let _stage = progress.stage("passes", scene.passes as usize);
-        solve(&transfers, &patches.reflectance(), sources, limits)
+        solve(&transfers, &reflectance, sources, limits)
     };
     Ok((transfers, solution))
 }

@@ -11,7 +11,10 @@ use qrad::legacy_args;
 use std::ffi::OsString;
 use std::io::{IsTerminal, Write};
 use std::process::ExitCode;
+use std::sync::{Arc, Mutex};
 
+/// Exit code after an interrupt, as shells give it.
+const INTERRUPTED: i32 = 130;
 /// Exit code for a command line that cannot be used; clap exits with the same.
 const USAGE: u8 = 2;
 
@@ -55,9 +58,19 @@ fn run(cli: &Cli, args: &[OsString]) -> anyhow::Result<()> {
     }
     let threads = rayon::ThreadPoolBuilder::new().num_threads(cli.threads()?).build()?;
     let visible = !cli.quiet && std::io::stderr().is_terminal();
+    // Locked while files are written: an interrupt then waits until they are whole and nothing that is
+    // half written lies beside them.
+    let writing = Arc::new(Mutex::new(()));
+    let lock = Arc::clone(&writing);
+    ctrlc::set_handler(move || {
+        let _whole = lock.lock();
+        std::process::exit(INTERRUPTED);
+    })?;
     threads.install(|| match (&cli.patches, &cli.map) {
-        (Some(scene), _) => scene_job::run(cli, scene, visible),
-        (None, Some(map)) => map_job::run((cli, args), &qrad::cli::map_path(map), visible),
+        (Some(scene), _) => scene_job::run(cli, scene, visible, &writing),
+        (None, Some(map)) => {
+            map_job::run((cli, args), &qrad::cli::map_path(map), visible, &writing)
+        }
         (None, None) => Ok(()),
     })
 }

@@ -3,7 +3,7 @@
 use anyhow::Context;
 use clap::{CommandFactory, Parser};
 use glam::Vec3;
-use qrad::bsp::{Bsp, Entity, MipTex, load_wad, parse_entities};
+use qrad::bsp::{Bsp, Entity, MipTex, load_wad, parse_entities, read_hdr_lit, read_lit};
 use qrad::cli::Cli;
 use qrad::outputs::{DirectionFile, Outputs, Scope};
 use qrad::progress::Progress;
@@ -14,10 +14,17 @@ use qrad::settings::Settings;
 use qrad::{Files, MapLight, legacy_args, light_bsp, lightmap, output};
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
+use std::sync::Mutex;
 use std::time::Instant;
 
-/// Lights the map in `path` and writes what the command line `args`, parsed as `cli`, asks for.
-pub fn run((cli, args): (&Cli, &[OsString]), path: &Path, visible: bool) -> anyhow::Result<()> {
+/// Lights the map in `path` and writes what the command line `args`, parsed as `cli`, asks for, files of
+/// the map with `writing` locked.
+pub fn run(
+    (cli, args): (&Cli, &[OsString]),
+    path: &Path,
+    visible: bool,
+    writing: &Mutex<()>,
+) -> anyhow::Result<()> {
     let start = Instant::now();
     cli.settings()?;
     let mut bsp = Bsp::read(&read(path)?).with_context(|| path.display().to_string())?;
@@ -28,7 +35,9 @@ pub fn run((cli, args): (&Cli, &[OsString]), path: &Path, visible: bool) -> anyh
     let target = cli.output.as_deref().unwrap_or(path);
     if settings.outputs.scope == Scope::EntitiesOnly {
         bsp.rewrite_entities(settings.styles(&bsp)?).with_context(|| path.display().to_string())?;
-        output::write(target, &bsp.write()?)?;
+        let map = bsp.write()?;
+        let _whole = writing.lock();
+        output::write(target, &map)?;
         return Ok(());
     }
     let camera = cli.camera()?;
@@ -57,6 +66,8 @@ pub fn run((cli, args): (&Cli, &[OsString]), path: &Path, visible: bool) -> anyh
     for sentence in &lit.scene.warnings {
         log::warn!("{sentence}");
     }
+    note_damaged_lit(&target.with_extension("lit"));
+    let whole = writing.lock();
     let mut written = write_files(target, &bsp, &lit.files, &settings.outputs)?;
     if cli.exportobj {
         output::write(&obj, export::obj(&lit.scene).as_bytes())?;
@@ -70,11 +81,14 @@ pub fn run((cli, args): (&Cli, &[OsString]), path: &Path, visible: bool) -> anyh
     if let Some(folder) = &cli.dump_lightmaps {
         written.extend(dump(folder, &lit)?);
     }
+    drop(whole);
     if let Some(picture) = &cli.preview {
         let _stage = progress.stage("preview", 1);
         let map = LitMap::new(&bsp, lit.rgb.as_deref(), &textures)?;
         let camera = preview_camera(&bsp, &map, camera, size)?;
-        output::write_png(picture, &map.draw(&camera))?;
+        let drawn = map.draw(&camera);
+        let _whole = writing.lock();
+        output::write_png(picture, &drawn)?;
         written.push(picture.clone());
     }
     if let Some(engine) = cli.outputs.engine {
@@ -113,6 +127,14 @@ fn with_options_of_map(world: &Entity, args: &[OsString]) -> Option<Cli> {
             );
             None
         }
+    }
+}
+
+/// Says so when the `.lit` file that is about to be replaced is none.
+fn note_damaged_lit(path: &Path) {
+    let Ok(bytes) = std::fs::read(path) else { return };
+    if let (Err(error), Err(_)) = (read_lit(&bytes), read_hdr_lit(&bytes)) {
+        log::warn!("{}: {error}; it is replaced", path.display());
     }
 }
 

@@ -8,10 +8,11 @@ use qrad::report::Report;
 use qrad::{light_patches_with, output};
 use std::io::Write;
 use std::path::{Path, PathBuf};
+use std::sync::Mutex;
 use std::time::Instant;
 
-/// Lights the scene in `path` and writes it where the command line says.
-pub fn run(cli: &Cli, path: &Path, visible: bool) -> anyhow::Result<()> {
+/// Lights the scene in `path` and writes it where the command line says, with `writing` locked.
+pub fn run(cli: &Cli, path: &Path, visible: bool, writing: &Mutex<()>) -> anyhow::Result<()> {
     let start = Instant::now();
     let bytes = std::fs::read(path).with_context(|| format!("cannot read {}", path.display()))?;
     let name = path.display().to_string();
@@ -26,6 +27,7 @@ pub fn run(cli: &Cli, path: &Path, visible: bool) -> anyhow::Result<()> {
     if to_stdout {
         std::io::stdout().write_all(text.as_bytes()).context("cannot write standard output")?;
     } else {
+        let _whole = writing.lock();
         output::write(&target, text.as_bytes())?;
     }
     if cli.quiet {

@@ -40,7 +40,8 @@ fn lit(map: &Path, truth: &[Luxel], settings: &Settings) -> Vec<f64> {
     let mut bsp = Bsp::read(&std::fs::read(map).unwrap()).unwrap();
     let side = |kind: &str| std::fs::read_to_string(map.with_extension(kind)).ok();
     let (texinfo, content) = (side("texinfo.json"), side("content.json"));
-    let sidecar = Sidecar { texinfo: texinfo.as_deref(), content: content.as_deref(), ..Sidecar::default() };
+    let sidecar =
+        Sidecar { texinfo: texinfo.as_deref(), content: content.as_deref(), ..Sidecar::default() };
     let lit = light_bsp(&mut bsp, sidecar, Vec::new(), settings, &Progress::new(false)).unwrap();
     truth
         .iter()

@@ -39,7 +39,8 @@ pub struct Bsp {
     pub models: Vec<Model>,
     /// The texture lump. `None`: the slot says that the texture is absent (offset -1).
     pub textures: Vec<Option<MipTex>>,
-    /// Lightmaps, one byte a luxel. Offsets in `faces` are not checked against it.
+    /// Lightmaps, one byte a luxel. Those of `faces` begin inside it when it is read, unless a BSPX
+    /// lump says where they are.
     pub lighting: Vec<u8>,
     /// Run-length coded visibility rows. Offsets in `leafs` are not checked against it.
     pub visibility: Vec<u8>,
@@ -90,6 +91,7 @@ impl Bsp {
         };
         decode::check_size(format, Lump::ClipNodes, lump(Lump::ClipNodes))?;
         validate::validate(&bsp)?;
+        header.check_overlaps()?;
         Ok(bsp)
     }
 

@@ -113,6 +113,8 @@ pub(crate) struct Header<'a> {
     lumps: [&'a [u8]; LUMP_COUNT],
     /// End of the last byte that any lump uses.
     pub(crate) end: usize,
+    /// Start, end and name of every stretch in use, by start.
+    used: Vec<(usize, usize, &'static str)>,
 }
 
 impl<'a> Header<'a> {
@@ -122,6 +124,7 @@ impl<'a> Header<'a> {
         let format = format_of(cursor.u32()?.to_le_bytes())?;
         let mut lumps: [&[u8]; LUMP_COUNT] = [&[]; LUMP_COUNT];
         let mut end = HEADER_SIZE;
+        let mut used = vec![(0, HEADER_SIZE, "header")];
         let mut names = Lump::PHYSICAL_ORDER;
         names.sort_by_key(|&lump| lump as usize);
         for lump in names {
@@ -144,9 +147,27 @@ impl<'a> Header<'a> {
                 ));
             };
             end = end.max(range.end);
-            lumps[lump as usize] = &file[range];
+            lumps[lump as usize] = &file[range.clone()];
+            used.push((range.start, range.end, lump.name()));
         }
-        Ok(Self { format, lumps, end })
+        used.sort_unstable();
+        Ok(Self { format, lumps, end, used })
+    }
+
+    /// Fails if two lumps, or one and the header, have bytes in common.
+    pub(crate) fn check_overlaps(&self) -> Result<()> {
+        for pair in self.used.windows(2) {
+            let [(_, end, before), (start, _, after)] = *pair else { continue };
+            if start < end {
+                return Err(Error::format(
+                    format!("{after} lump"),
+                    format!(
+                        "it begins at {start}, before the end of the {before} at {end}: the file is damaged"
+                    ),
+                ));
+            }
+        }
+        Ok(())
     }
 
     /// Bytes of a lump.

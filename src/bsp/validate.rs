@@ -17,7 +17,33 @@ pub(crate) fn validate(bsp: &Bsp) -> Result<()> {
     check_faces(bsp)?;
     check_leafs(bsp)?;
     check_models(bsp)?;
+    check_lightmaps(bsp)?;
     check_tree(bsp)
+}
+
+/// BSPX lumps without which face records alone say where lightmaps are.
+const ELSEWHERE: [&str; 4] = ["LMOFFSET", "DECOUPLED_LM", "RGBLIGHTING", "LIGHTING_E5BGR9"];
+
+/// Checks that lightmaps begin inside the lighting lump. New lighting replaces them, but a file in
+/// which they do not is damaged, and some engines crash on it.
+fn check_lightmaps(bsp: &Bsp) -> Result<()> {
+    let bytes = bsp.lighting.len();
+    if bytes == 0 || bsp.bspx.iter().any(|lump| ELSEWHERE.contains(&lump.name.as_str())) {
+        return Ok(());
+    }
+    for (index, face) in bsp.faces.iter().enumerate() {
+        let inside = usize::try_from(face.light_offset).is_ok_and(|offset| offset < bytes);
+        if face.styles[0] != 255 && face.light_offset != -1 && !inside {
+            return Err(Error::format(
+                format!("faces lump, record {index}"),
+                format!(
+                    "its lightmap is at {} of {bytes} bytes of lighting: the file is damaged",
+                    face.light_offset
+                ),
+            ));
+        }
+    }
+    Ok(())
 }
 
 /// Fails unless `value < count`.

@@ -7,7 +7,7 @@ use glam::DVec3;
 
 /// Distance of a patch's eye from its plane, relative to the size of the scene: enough that rounding
 /// to single precision cannot put the eye behind its own patch.
-const LIFT: f64 = 1e-5;
+const LIFT: f64 = 1e-6;
 
 /// A text scene made ready for light exchange.
 pub struct TextPatches {

@@ -10,4 +10,5 @@ pub mod pair_factor;
 pub mod per_ray;
 pub mod solve;
 pub mod transfers;
+pub mod trapped;
 pub mod visibility;

@@ -2,7 +2,7 @@
 
 use super::transfers::Transfers;
 use crate::photometry::{Exitance, Irradiance, Reflectance};
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 
 /// When to stop.
 #[derive(Clone, Copy, Debug)]
@@ -44,10 +44,10 @@ pub fn solve(
     sources: Sources<'_>,
     limits: Limits,
 ) -> Solution {
-    let mut total: Vec<DVec3> = sources.emission.iter().map(|m| m.0.as_dvec3()).collect();
+    let mut total: Vec<DVec3> = sources.emission.iter().map(|m| limited(m.0)).collect();
     let mut unsent = total.clone();
     // Irradiance that the next pass reflects besides what the patches send each other.
-    let mut direct: Vec<DVec3> = sources.direct.iter().map(|e| e.0.as_dvec3()).collect();
+    let mut direct: Vec<DVec3> = sources.direct.iter().map(|e| limited(e.0)).collect();
     let mut passes = 0;
     loop {
         let left = largest(&unsent).max(largest(&direct));
@@ -55,7 +55,8 @@ pub fn solve(
         let residual = if all > 0.0 { left / all } else { 0.0 };
         let settled = residual <= limits.residual;
         if settled || limits.passes.is_some_and(|n| passes >= n) {
-            let exitance = total.into_iter().map(|m| Exitance(m.as_vec3())).collect();
+            let exitance =
+                total.into_iter().map(|m| Exitance(limited(m.as_vec3()).as_vec3())).collect();
             return Solution { exitance, passes, residual, settled };
         }
         unsent = if largest(&unsent) > 0.0 {
@@ -72,6 +73,13 @@ pub fn solve(
         }
         passes += 1;
     }
+}
+
+/// Light that is no finite number would never settle: it becomes 0 or the largest that a map can hold.
+fn limited(light: Vec3) -> DVec3 {
+    const MOST: f32 = 1e30;
+    let channel = |c: f32| if c.is_nan() { 0.0 } else { c.clamp(-MOST, MOST) };
+    Vec3::from_array(light.to_array().map(channel)).as_dvec3()
 }
 
 /// Largest absolute value of any channel.

@@ -13,6 +13,7 @@ use super::world::WorldSettings;
 use crate::bsp::{Bsp, Entity, MipTex};
 use crate::{Error, Result};
 use glam::Vec3;
+use std::collections::HashMap;
 use std::sync::Arc;
 
 /// The most lights that a scene may have, copies included.
@@ -327,12 +328,13 @@ pub(crate) fn finish(
     add_jittered(&mut drafts, random)?;
     let (mut lights, mut sky) = (Vec::new(), Vec::new());
     let mut stuck = Vec::new();
+    let targets = Targets::new(entities);
     for mut draft in drafts {
-        aim(&mut draft, entities, world, warnings);
+        aim(&mut draft, &targets, world, warnings);
         if draft.light.brightness == 0.0 {
             continue;
         }
-        if let Some(source) = sky_source(&draft, entities, warnings) {
+        if let Some(source) = sky_source(&draft, &targets, warnings) {
             sky.push(source);
             continue;
         }
@@ -358,14 +360,14 @@ pub(crate) fn finish(
 }
 
 /// The light as a source in the sky, if it is one and adds light.
-fn sky_source(draft: &Draft, entities: &[Entity], warnings: &mut Vec<String>) -> Option<Source> {
+fn sky_source(draft: &Draft, targets: &Targets, warnings: &mut Vec<String>) -> Option<Source> {
     let sky = draft.sky.as_ref()?;
     let light = &draft.light;
     if light.brightness <= 0.0 {
         return None;
     }
     let origin = light.origin;
-    let travel = match (target(draft, entities), &light.spot) {
+    let travel = match (targets.of(draft), &light.spot) {
         (Some(target), _) => target - origin,
         (None, Some(spot)) => spot.direction,
         (None, None) => {
@@ -395,15 +397,28 @@ fn sky_source(draft: &Draft, entities: &[Entity], warnings: &mut Vec<String>) ->
     })
 }
 
-/// Where the entity is that the light targets.
-fn target(draft: &Draft, entities: &[Entity]) -> Option<Vec3> {
-    if draft.target.is_empty() {
-        return None;
+/// Where entities with a name are; of several with one name the first counts, in any case of letters.
+struct Targets(HashMap<String, Vec3>);
+
+impl Targets {
+    fn new(entities: &[Entity]) -> Self {
+        let mut places = HashMap::new();
+        for entity in entities {
+            if let Some(name) = entity.get("targetname") {
+                let origin = entity.get("origin").and_then(keys::vector).unwrap_or(Vec3::ZERO);
+                places.entry(name.to_ascii_lowercase()).or_insert(origin);
+            }
+        }
+        Self(places)
     }
-    let target = entities
-        .iter()
-        .find(|e| e.get("targetname").is_some_and(|n| n.eq_ignore_ascii_case(&draft.target)))?;
-    Some(target.get("origin").and_then(keys::vector).unwrap_or(Vec3::ZERO))
+
+    /// Where the entity is that the light targets.
+    fn of(&self, draft: &Draft) -> Option<Vec3> {
+        if draft.target.is_empty() {
+            return None;
+        }
+        self.0.get(&draft.target.to_ascii_lowercase()).copied()
+    }
 }
 
 /// Refuses a number of lights that would take too much memory and time.
@@ -446,10 +461,10 @@ fn add_jittered(drafts: &mut Vec<Draft>, random: &mut Random) -> Result<()> {
 }
 
 /// Points the light at its target and works out its cone.
-fn aim(draft: &mut Draft, entities: &[Entity], world: &WorldSettings, warnings: &mut Vec<String>) {
+fn aim(draft: &mut Draft, targets: &Targets, world: &WorldSettings, warnings: &mut Vec<String>) {
     let mut target_distance = 0.0;
     if !draft.target.is_empty() {
-        if let Some(at) = target(draft, entities) {
+        if let Some(at) = targets.of(draft) {
             let towards = at - draft.light.origin;
             target_distance = length(towards);
             draft.is_spot = true;

@@ -2,13 +2,18 @@
 // Each test binary uses its own part of this module.
 #![allow(dead_code)]
 
+pub mod attacks;
+pub mod invariants;
 pub mod lit_levels;
 pub mod lit_light;
 pub mod lit_map;
 pub mod lit_room;
 pub mod map_builder;
+pub mod map_invariants;
+pub mod polygons;
 pub mod program;
 pub mod quads;
+pub mod tiny;
 pub mod views;
 pub mod written;
 

@@ -129,6 +129,10 @@ impl ItemBuffer {
     }
 }
 
+/// Backs are drawn farther by this factor, so that of two polygons back to back (a thin wall) the one
+/// that faces the eye is seen, whatever the rounding.
+const BACK: f32 = 1.0 - 1e-5;
+
 /// World to cell coordinates of one side. `column . (p - eye)` is column x depth, and so on, so that
 /// projecting a point takes three dot products and a division.
 struct Projection {
@@ -174,7 +178,10 @@ impl Projection {
     /// 1 / depth of the plane through `on` over the side: `normal . direction / distance`. None for
     /// a plane through the eye, which is seen edge-on.
     fn nearness(&self, on: Vec3, normal: Vec3) -> Option<Nearness> {
-        let inverse = 1.0 / normal.dot(on - self.eye);
+        let mut inverse = 1.0 / normal.dot(on - self.eye);
+        if inverse > 0.0 {
+            inverse *= BACK;
+        }
         let (base, dx, dy) = (
             normal.dot(self.corner) * inverse,
             normal.dot(self.dx) * inverse,

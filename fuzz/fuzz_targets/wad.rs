@@ -1,0 +1,8 @@
+//! WAD archives.
+#![no_main]
+
+#[path = "../../tests/support/attacks.rs"]
+#[allow(dead_code)]
+mod attacks;
+
+libfuzzer_sys::fuzz_target!(|bytes: &[u8]| attacks::wad(bytes));

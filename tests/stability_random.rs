@@ -1,0 +1,128 @@
+//! The stability contract: random boxes in a room against a dense solve and the per-ray oracle.
+
+mod support;
+
+use glam::DVec3;
+use proptest::prelude::*;
+use qrad::patch::Quad;
+use qrad::radiosity::hemicube::{DeltaFormFactors, HemicubeSize, SIDES, SideId, View};
+use qrad::radiosity::per_ray;
+use support::invariants::{Expect, Solved, hold};
+use support::quads::{Light, cuboid};
+
+const HEMICUBE: u32 = 32;
+
+/// A room of random size with up to three boxes anywhere in it, apart or not, and random light.
+fn boxes() -> impl Strategy<Value = Vec<Quad>> {
+    let size = (1.0..4.0_f64, 1.0..4.0_f64, 1.0..4.0_f64);
+    let unit = || (0.05..0.95_f64, 0.05..0.95_f64, 0.05..0.95_f64);
+    let inner = prop::collection::vec((unit(), unit()), 0..4);
+    let light = prop::collection::vec((0.0..1.0_f64, 0.0..0.95_f64), 24);
+    (size, inner, light).prop_map(|(size, inner, light)| {
+        let size = DVec3::from(size);
+        let dark = Light { exitance: 0.0, reflectance: 0.0 };
+        let mut quads = cuboid(DVec3::ZERO, size, 3, true, dark);
+        for (a, b) in inner {
+            let (a, b) = (DVec3::from(a) * size, DVec3::from(b) * size);
+            let (low, high) = (a.min(b), a.max(b).max(a.min(b) + 0.02));
+            quads.extend(cuboid(low, high, 1, false, dark));
+        }
+        for (i, quad) in quads.iter_mut().enumerate() {
+            let (exitance, reflectance) = light[i % light.len()];
+            quad.exitance = [if i % 5 == 0 { exitance } else { 0.0 }; 3];
+            quad.reflectance = [reflectance, reflectance * 0.5, 0.9];
+        }
+        quads
+    })
+}
+
+/// M from (1 - rho F) M = E in one channel, by Gaussian elimination.
+fn dense(solved: &Solved, channel: usize) -> Vec<f64> {
+    let n = solved.scene.patches.len();
+    let reflectance = solved.patches.reflectance();
+    let mut rows: Vec<Vec<f64>> = (0..n)
+        .map(|i| {
+            let mut row = vec![0.0; n + 1];
+            let (columns, factors) = solved.transfers.row(i);
+            for (&j, &f) in columns.iter().zip(factors) {
+                row[j as usize] -= f64::from(reflectance[i].0[channel]) * f64::from(f);
+            }
+            row[i] += 1.0;
+            row[n] = f64::from(solved.patches.emission[i].0[channel]);
+            row
+        })
+        .collect();
+    // Row sums below 1 make the diagonal the largest: no pivoting is needed.
+    for k in 0..n {
+        let pivot = rows[k].clone();
+        for row in rows[k + 1..].iter_mut().filter(|row| row[k] != 0.0) {
+            let factor = row[k] / pivot[k];
+            row.iter_mut().zip(&pivot).skip(k).for_each(|(a, p)| *a -= factor * p);
+        }
+    }
+    let mut m = vec![0.0; n];
+    for k in (0..n).rev() {
+        let known: f64 = (k + 1..n).map(|j| rows[k][j] * m[j]).sum();
+        m[k] = (rows[k][n] - known) / rows[k][k];
+    }
+    m
+}
+
+/// Row i of form factors with one ray a cell.
+fn by_rays(solved: &Solved, i: usize, delta: &DeltaFormFactors, size: HemicubeSize) -> Vec<f64> {
+    let (patch, tracer) = (&solved.patches.set.patches[i], &solved.patches.tracer);
+    let view = View::turned(patch.eye, patch.normal, i as u64);
+    let mut row = vec![0.0; solved.scene.patches.len()];
+    let mut cells = per_ray::trace(tracer, &view, size).into_iter();
+    for side in SIDES {
+        let rows = if side == SideId::Top { size.height() } else { size.height() / 2 };
+        for weight in &delta.of(side)[..(rows * size.width()) as usize] {
+            let Some(seen) = cells.next().unwrap() else { continue };
+            let polygon = &tracer.polygons()[seen as usize];
+            if polygon.normal.dot(patch.eye - polygon.vertices[0]) > 0.0 {
+                row[seen as usize] += f64::from(*weight);
+            }
+        }
+    }
+    row
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 12, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn random_boxes_in_a_room_have_the_light_of_a_dense_solve(quads in boxes()) {
+        let solved = Solved::new(&quads, HEMICUBE, 100_000);
+        let most = solved.exitance().iter().map(|m| m.max_element()).fold(0.0, f64::max);
+        for channel in 0..3 {
+            for (m, want) in solved.exitance().iter().zip(dense(&solved, channel)) {
+                prop_assert!((m[channel] - want).abs() <= 1e-6 * most, "{m} instead of {want}");
+            }
+        }
+    }
+
+    #[test]
+    fn random_boxes_in_a_room_keep_every_invariant(quads in boxes()) {
+        // Boxes may cut through patches and touch: only what holds for any scene is asked.
+        let any = Expect { closed: false, noise: 1.0, asymmetry: 1.0, hemicube: HEMICUBE };
+        hold("random boxes", &quads, any);
+    }
+
+    #[test]
+    fn random_boxes_in_a_room_have_the_form_factors_of_the_per_ray_oracle(quads in boxes()) {
+        let solved = Solved::new(&quads, HEMICUBE, 0);
+        let size = HemicubeSize::new(HEMICUBE, HEMICUBE).unwrap();
+        let delta = DeltaFormFactors::new(size);
+        let mut off = 0.0;
+        for i in 0..quads.len() {
+            let mut row = by_rays(&solved, i, &delta, size);
+            let (columns, factors) = solved.transfers.row(i);
+            for (&j, &f) in columns.iter().zip(factors) {
+                row[j as usize] -= f64::from(f);
+            }
+            off += row.iter().map(|d| d.abs()).sum::<f64>();
+        }
+        // Cells whose middle is an edge may go to either side.
+        prop_assert!(off <= 2e-3 * quads.len() as f64, "{off} of {} rows", quads.len());
+    }
+}
