@@ -5,6 +5,9 @@ use crate::bsp::Entity;
 use clap::Command;
 use std::ffi::OsString;
 
+/// Options that the scene reads as keys itself.
+const OF_THE_SCENE: &[&str] = &["world-units-per-luxel"];
+
 /// Options that a map must not set: they say how a run talks to its user, not what it makes.
 const OF_THE_USER: [&str; 2] = ["quiet", "verbose"];
 
@@ -15,7 +18,10 @@ pub fn of_worldspawn(world: &Entity, own: &Command) -> Vec<OsString> {
     for (key, value) in world.pairs() {
         let Some(option) = find(key.trim_start_matches('_')) else { continue };
         let Effect::Own(long, _) = option.effect else { continue };
-        if OF_THE_USER.contains(&long) || !own.get_arguments().any(|a| a.get_long() == Some(long)) {
+        if OF_THE_USER.contains(&long)
+            || OF_THE_SCENE.contains(&long)
+            || !own.get_arguments().any(|a| a.get_long() == Some(long))
+        {
             continue;
         }
         let value = value.trim();

@@ -3,7 +3,7 @@
 use super::map_builder::MapBuilder;
 use glam::Vec3;
 use qrad::bsp::Format;
-use qrad::lightmap::DebugView;
+use qrad::lightmap::{DebugView, Gather};
 use qrad::outputs::{LitFile, Outputs};
 use qrad::progress::Progress;
 use qrad::scene::{LuxelGrid, Scene, Sidecar};
@@ -20,7 +20,8 @@ pub struct LitLight {
 /// Settings that keep dim styles, and show bounced light alone if asked to.
 pub fn settings(debug: Option<DebugView>) -> Settings {
     let outputs = Outputs { lit: LitFile::Hdr, ..Outputs::default() };
-    Settings { debug, outputs, ..Settings::default() }
+    // Where light is interpolated, what one light gives depends on the others.
+    Settings { debug, outputs, gather: Gather::Luxel, ..Settings::default() }
 }
 
 impl LitLight {
