@@ -100,3 +100,49 @@ impl ShadowRays<'_> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    /// An upright square around a point, across the x or y axis.
+    fn wall(middle: [i16; 3], across_x: bool) -> Polygon {
+        let [x, y, z] = middle.map(f32::from);
+        let corner = |side: f32, up: f32| {
+            let (dx, dy) = if across_x { (0.0, side) } else { (side, 0.0) };
+            Vec3::new(x + dx, y + dy, z + up)
+        };
+        let vertices = [(-9.0, -9.0), (-9.0, 9.0), (9.0, 9.0), (9.0, -9.0)];
+        Polygon {
+            vertices: vertices.map(|(side, up)| corner(side, up)).to_vec(),
+            normal: if across_x { Vec3::X } else { Vec3::Y },
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn the_quick_view_is_what_is_met_first(
+            walls in prop::collection::vec(([-40_i16..40, -40_i16..40, -9_i16..9], any::<bool>(), any::<bool>()), 1..40),
+            rays in prop::collection::vec(([-50_i16..50, -50_i16..50, -5_i16..5], 0.0_f32..6.3, -0.2_f32..0.2), 40),
+        ) {
+            let all: Vec<Polygon> = walls.iter().map(|w| wall(w.0, w.1)).collect();
+            let is_sky: Vec<bool> = walls.iter().map(|w| w.2).collect();
+            let sky = Sky::new(&all, is_sky.clone());
+            let tracer = Tracer::new(all);
+            // One remembers what it met, which must not matter.
+            let mut quick = ShadowRays::new(&tracer);
+            for (from, turn, up) in rays {
+                let from = Vec3::from(from.map(f32::from)) + Vec3::splat(0.3);
+                let direction = Vec3::new(turn.cos(), turn.sin(), up).normalize();
+                let met = ShadowRays::new(&tracer).first_hit(from, direction, 1e6);
+                let met = met.filter(|h| is_sky[h.polygon as usize]);
+                match quick.view(&sky, from, direction, 1e6) {
+                    View::Unsure => {}
+                    View::NoSky => prop_assert_eq!(met, None),
+                    View::Sky(hit) => prop_assert_eq!(Some(hit), met),
+                }
+            }
+        }
+    }
+}

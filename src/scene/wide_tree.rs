@@ -327,3 +327,61 @@ fn dot(a: [f32x4; 3], b: [f32x4; 3]) -> f32x4 {
 fn cross(a: [f32x4; 3], b: [f32x4; 3]) -> [f32x4; 3] {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::shadow::{Contact, meet};
+    use super::super::tracer::{Polygon, Tracer};
+    use super::*;
+    use proptest::prelude::*;
+
+    fn place() -> impl Strategy<Value = Vec3> {
+        // Whole numbers, so that rays meet edges and run along planes.
+        [-40_i16..40, -40_i16..40, -40_i16..40].prop_map(|p| Vec3::from(p.map(f32::from)))
+    }
+
+    /// Triangles and parallelograms, some of no area.
+    fn polygon() -> impl Strategy<Value = Polygon> {
+        (place(), place(), place(), any::<bool>()).prop_map(|(a, b, c, four)| {
+            let mut vertices = vec![a, b, c];
+            if four {
+                vertices.push(a + c - b);
+            }
+            Polygon { normal: (c - a).cross(b - a).normalize_or(Vec3::Z), vertices }
+        })
+    }
+
+    proptest! {
+        #[test]
+        fn nothing_that_a_ray_meets_is_left_out(
+            polygons in prop::collection::vec(polygon(), 1..60),
+            rays in prop::collection::vec((place(), place(), 0.1_f32..1.0), 20),
+            far in prop_oneof![Just(Vec3::ZERO), Just(Vec3::new(30000.0, -20000.0, 9000.0))],
+        ) {
+            let moved = polygons.into_iter().map(|mut p| {
+                p.vertices.iter_mut().for_each(|v| *v += far);
+                p
+            });
+            let tracer = Tracer::new(moved.collect());
+            for (from, to, limit) in rays {
+                let (start, way) = (from + far, to - from);
+                let mut shown = Vec::new();
+                tracer.wide().walk(start, way, limit, &mut Vec::new(), |polygon, surely| {
+                    shown.push((polygon, surely));
+                    limit
+                });
+                for (index, polygon) in tracer.polygons().iter().enumerate() {
+                    let (contact, t) = meet(&polygon.vertices, start.as_dvec3(), way.as_dvec3());
+                    let times: Vec<_> = shown.iter().filter(|s| s.0 == index as u32).collect();
+                    prop_assert!(times.len() <= 1, "polygon {index} is shown {} times", times.len());
+                    if contact != Contact::None && t <= f64::from(limit) {
+                        prop_assert!(!times.is_empty(), "{contact:?} with {index} at {t} is missed");
+                    }
+                    if times.first().is_some_and(|s| s.1) {
+                        prop_assert!(contact == Contact::Inside && t <= f64::from(limit));
+                    }
+                }
+            }
+        }
+    }
+}
