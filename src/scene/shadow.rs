@@ -43,7 +43,16 @@ pub struct ShadowRays<'a> {
 pub(super) enum Contact {
     None,
     Edge,
+    /// Where two triangles of its fan meet, which is no edge of the polygon.
+    Diagonal,
     Inside,
+}
+
+impl Contact {
+    /// Whether the ray goes through the polygon, not only along its edge.
+    pub(super) fn is_inside(self) -> bool {
+        self >= Self::Diagonal
+    }
 }
 
 impl<'a> ShadowRays<'a> {
@@ -71,13 +80,13 @@ impl<'a> ShadowRays<'a> {
         self.rays += 1;
         let (start, way) = (from.as_dvec3(), to.as_dvec3() - from.as_dvec3());
         if let Some(last) = self.last_blocker
-            && meet(self.corners(last), start, way).0 == Contact::Inside
+            && meet(self.corners(last), start, way).0.is_inside()
         {
             return true;
         }
         match self.contact(start, way) {
             Contact::None => false,
-            Contact::Inside => true,
+            Contact::Diagonal | Contact::Inside => true,
             Contact::Edge => {
                 let touched = std::mem::take(&mut self.touched);
                 let tied = touched.iter().any(|&(_, p)| tie::blocked(self.corners(p), from, to));
@@ -154,7 +163,7 @@ impl<'a> ShadowRays<'a> {
                 };
                 best = best.max(contact);
                 match contact {
-                    Contact::Inside => {
+                    Contact::Diagonal | Contact::Inside => {
                         self.last_blocker = Some(polygon);
                         return STOP;
                     }
@@ -174,8 +183,7 @@ pub(super) fn corners(tracer: &Tracer, polygon: u32) -> &[Vec3] {
 
 /// How the ray `start + t way`, 0 < t <= 1, meets the fan of triangles around a polygon's first
 /// corner. Möller and Trumbore, "Fast, minimum storage ray/triangle intersection" (1997), both
-/// sides, in double precision so that whole-number geometry is exact. A ray through a diagonal that
-/// two triangles share is inside the polygon. The number is t.
+/// sides, in double precision so that whole-number geometry is exact. The number is t.
 pub(super) fn meet(v: &[Vec3], start: DVec3, way: DVec3) -> (Contact, f64) {
     let corner = v[0].as_dvec3();
     let from_corner = start - corner;
@@ -195,11 +203,13 @@ pub(super) fn meet(v: &[Vec3], start: DVec3, way: DVec3) -> (Contact, f64) {
         let edge = ON_EDGE * scale;
         let before = std::mem::take(&mut shared);
         if scale > 0.0 && t > 0.0 && t <= scale && u.min(v).min(w) >= -edge {
-            if u.min(w) > edge && (v > edge || before == sign) {
-                return (Contact::Inside, t / scale);
-            }
-            if best.0 == Contact::None {
-                best = (Contact::Edge, t / scale);
+            let contact = match (u.min(w) > edge, v > edge, before == sign) {
+                (true, true, _) => return (Contact::Inside, t / scale),
+                (true, false, true) => Contact::Diagonal,
+                _ => Contact::Edge,
+            };
+            if contact > best.0 {
+                best = (contact, t / scale);
             }
             shared = if v.min(w) > edge { sign } else { 0.0 };
         }
@@ -260,7 +270,7 @@ mod tests {
                 for [y, z] in &front[2..5] {
                     let (contact, t) = through(f64::from(*y) * along, f64::from(*z) * along, slope);
                     let real = *y == 0.0;
-                    let want = if real { Contact::Edge } else { Contact::Inside };
+                    let want = if real { Contact::Edge } else { Contact::Diagonal };
                     assert_eq!((contact, t), (want, 0.25), "{slope}: {along} of {y} {z}");
                 }
             }
@@ -276,7 +286,7 @@ mod tests {
         let dart = [[0.0, 0.0], [8.0, 0.0], [4.0, 1.0], [4.0, 8.0]];
         let dart = dart.map(|[y, z]| Vec3::new(0.0, y, z));
         let at = |y: f64, z: f64| meet(&dart, DVec3::new(-1.0, y, z), DVec3::X * 2.0).0;
-        assert_eq!(at(2.0, 0.5), Contact::Inside, "a true diagonal");
+        assert_eq!(at(2.0, 0.5), Contact::Diagonal, "no edge");
         let fold = [[0.0, 0.0], [8.0, 0.0], [4.0, 1.0], [6.0, 0.5]];
         let fold = fold.map(|[y, z]| Vec3::new(0.0, y, z));
         let on = meet(&fold, DVec3::new(-1.0, 2.0, 0.5), DVec3::X * 2.0).0;

@@ -2,6 +2,7 @@
 // Each test binary uses its own part of this module.
 #![allow(dead_code)]
 
+pub mod grid_reader;
 pub mod lit_levels;
 pub mod lit_light;
 pub mod lit_map;
