@@ -190,6 +190,56 @@ fn p36_light_set_into_a_wall_leaves_no_black_beside_it() {
 }
 
 #[test]
+fn p37_light_grows_towards_a_shining_cube() {
+    let keys = [("_surface", "bolt16"), ("light", "1 1 1 100"), ("_surface_radiosity", "1")];
+    let map = room(&[("_lightmap_scale", "4")], &entity("light", &keys)).pillar(
+        [-16.0, -16.0, 112.0],
+        [16.0, 16.0, 144.0],
+        3,
+    );
+    let hard = |name: &str| (name == "bolt16").then_some(r#"{"surflight_rescale": false}"#);
+    let room = LitRoom::with_texinfo(&map, hard);
+    let mut last = 0.0;
+    for x in (0..=60).rev().map(|i| 4.0 * i as f32) {
+        // The middles of the underside and of the side that looks this way, one unit before them.
+        let (x1, h1) = (x - 17.0, 127.0);
+        let (x2, h2) = (x, 110.0);
+        let side = if x1 > 0.0 { x1 * h1 / (x1 * x1 + h1 * h1).powi(2) } else { 0.0 };
+        let under = h2 * h2 / (x2 * x2 + h2 * h2).powi(2);
+        let want = 100.0 * 32.0 * 32.0 * (side + under);
+        let got = room.floor(0, x, 0.0).x;
+        assert!((got - want).abs() < 0.01, "{x}: {got} {want}");
+        assert!(got >= last, "{x}: {got} after {last}");
+        last = got;
+    }
+}
+
+#[test]
+fn p42_sparse_luxels_lie_where_dense_ones_do() {
+    // Light and dirt on a cube in a corner, with luxels 16 and 32 units apart.
+    let lamp = entity("light", &[("origin", "100 -100 200"), ("light", "1 0.8 0 400")]);
+    let cube = |scale: &str| {
+        let map = room(&[("_dirt", "1"), ("_lightmap_scale", scale)], &lamp);
+        LitMap::new(&map.pillar([128.0, -64.0, 0.0], [256.0, 64.0, 128.0], 3))
+    };
+    let (dense, sparse) = (cube("16"), cube("32"));
+    let mut seen = 0;
+    for (a, b) in (0..=4).flat_map(|a| (0..=4).map(move |b| (32.0 * a as f32, 32.0 * b as f32))) {
+        for (at, normal) in [
+            ([128.0, a - 64.0, b], -Vec3::X),
+            ([128.0 + a, -64.0, b], -Vec3::Y),
+            ([128.0 + a, b - 64.0, 128.0], Vec3::Z),
+        ] {
+            let (dense, sparse) = (dense.level(0, at, normal), sparse.level(0, at, normal));
+            assert_eq!(dense, sparse, "{at:?} {normal}");
+            assert!(sparse[0] > 10 && sparse[2] == 0, "{at:?}: {sparse:?}");
+            seen += 1;
+        }
+    }
+    assert_eq!(seen, 75);
+}
+
+#[test]
 fn p40_the_whole_of_a_light_surface_glows() {
     let keys = [("_surface", "bolt16"), ("light", "100"), ("_surface_radiosity", "1")];
     let lamp = entity("light", &[&keys[..], &[("_color", "1 0.5 0")]].concat());

@@ -108,7 +108,7 @@ fn p31_water_without_shadow_does_not_bounce() {
             map
         };
         let map = LitMap::with(&map, |name| keys.filter(|_| name == "*water1"), Some(4));
-        // The sides of the room but for the floor, which blends bounced light with patches of the water.
+        // The sides of the room but for the floor below the water, which the case does not look at.
         [0, 1, 2, 3, 5].map(|face| map.levels(face, 0).unwrap().to_vec())
     };
     let dry = walls(false, None);

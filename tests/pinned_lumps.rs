@@ -1,5 +1,5 @@
-//! Acceptance cases of the contract's sections 12.2 to 12.4 about the light grid, and the one about
-//! smoothed normals beside special faces.
+//! Acceptance cases of the contract's sections 12.2 to 12.4 about BSPX lumps: light grids, normals beside
+//! special faces, lightmaps apart from textures.
 
 mod support;
 
@@ -166,4 +166,41 @@ fn p52_normals_are_never_smoothed_with_those_of_special_faces() {
         light_bsp(&mut bsp, sidecar, Vec::new(), &settings, &quiet).unwrap();
         assert_eq!(bsp.bspx.len(), 1);
     }
+}
+
+#[test]
+fn p47_sizes_follow_the_world_not_the_texture_and_unlit_faces_have_none() {
+    let mut bsp = room("")
+        .room_textures([0, 0, 0, 0, 2, 1])
+        .entities(entity("worldspawn", &[("_world_units_per_luxel", "8"), ("_minlight", "100")]))
+        .build(Format::Bsp29);
+    for texinfo in &mut bsp.texinfos {
+        (texinfo.s, texinfo.t) = (texinfo.s * 0.3, texinfo.t * 2.0);
+    }
+    let keys =
+        texinfo(&bsp, |name| (name == "yellow").then_some(r#"{"world_units_per_luxel": 48}"#));
+    let sidecar = Sidecar { texinfo: Some(&keys), ..Sidecar::default() };
+    let outputs = Outputs { vanilla: false, ..Outputs::default() };
+    let settings = Settings { bounces: Some(0), outputs, ..Settings::default() };
+    light_bsp(&mut bsp, sidecar, Vec::new(), &settings, &Progress::new(false)).unwrap();
+    assert_eq!(bsp.bspx.len(), 1);
+    assert_eq!(bsp.bspx[0].name, "DECOUPLED_LM");
+    let mut total = 0;
+    for (face, record) in bsp.bspx[0].data.chunks_exact(40).enumerate() {
+        let size = [0, 2].map(|i| u16::from_le_bytes([record[i], record[i + 1]]));
+        let normal = bsp.face_plane(face).normal;
+        // 256 units are 32 steps of 8; from -3 to 3 steps of 48 are needed to hold -128 to 128.
+        let (want, style) = if normal == -Vec3::Z {
+            ([0, 0], 255)
+        } else if normal == Vec3::Z {
+            ([7, 7], 0)
+        } else {
+            ([33, 33], 0)
+        };
+        assert_eq!(size, want, "face {face}");
+        assert_eq!(bsp.faces[face].styles, [style, 255, 255, 255], "face {face}");
+        assert_eq!(bsp.faces[face].light_offset, -1);
+        total += (usize::from(size[0]) * usize::from(size[1])).next_multiple_of(4);
+    }
+    assert_eq!(bsp.lighting.len(), total);
 }
