@@ -2,16 +2,16 @@
 
 mod support;
 
-use glam::{DVec3, Vec3};
+use glam::DVec3;
 use qbsp::{BspData, BspParseInput, BspParseSettings};
 use qrad::bsp::{Bsp, Format};
 use qrad::light_bsp;
 use qrad::progress::Progress;
 use qrad::scene::Sidecar;
 use qrad::settings::{Settings, SurfaceLights};
-use std::collections::HashSet;
 use std::f64::consts::PI;
 use std::path::Path;
+use support::grid_reader::{Grid, Light};
 use support::lit_room::entity;
 use support::map_builder::MapBuilder;
 use support::program::{arg, run};
@@ -20,157 +20,9 @@ const ROOM: [DVec3; 2] = [DVec3::new(-128.0, -128.0, 0.0), DVec3::new(128.0, 128
 const PILLAR: [DVec3; 2] = [DVec3::new(-96.0, -96.0, 0.0), DVec3::new(0.0, 0.0, 128.0)];
 const SIDES: [DVec3; 6] = [DVec3::X, DVec3::NEG_X, DVec3::Y, DVec3::NEG_Y, DVec3::Z, DVec3::NEG_Z];
 
-/// Style and its colours: six of them, or one.
-type Light = (u8, Vec<[u8; 3]>);
-
-struct Leaf {
-    mins: [u32; 3],
-    size: [u32; 3],
-    points: Vec<Option<Vec<Light>>>,
-}
-
-struct Grid {
-    step: [f32; 3],
-    size: [u32; 3],
-    mins: [f32; 3],
-    most_styles: u8,
-    root: u32,
-    nodes: Vec<([u32; 3], [u32; 8])>,
-    leafs: Vec<Leaf>,
-}
-
-struct Reader<'a>(&'a [u8]);
-
-impl Reader<'_> {
-    fn bytes<const N: usize>(&mut self) -> [u8; N] {
-        let (head, tail) = self.0.split_at(N);
-        self.0 = tail;
-        head.try_into().unwrap()
-    }
-
-    fn byte(&mut self) -> u8 {
-        self.bytes::<1>()[0]
-    }
-
-    fn word(&mut self) -> u32 {
-        u32::from_le_bytes(self.bytes())
-    }
-
-    fn words<const N: usize>(&mut self) -> [u32; N] {
-        std::array::from_fn(|_| self.word())
-    }
-
-    fn floats(&mut self) -> [f32; 3] {
-        self.words().map(f32::from_bits)
-    }
-
-    fn light(&mut self, sides: bool) -> Light {
-        let style = self.byte();
-        if !sides {
-            return (style, vec![self.bytes()]);
-        }
-        let mask = self.byte();
-        assert!(mask != 0 && mask < 64);
-        let side = |side: u8| if mask & (1 << side) != 0 { self.bytes() } else { [0; 3] };
-        (style, (0..6).map(side).collect())
-    }
-
-    fn leaf(&mut self, sides: bool) -> Leaf {
-        let (mins, size) = (self.words(), self.words::<3>());
-        let most = if sides { self.byte() } else { 4 };
-        let points = (0..size.iter().product()).map(|_| match self.byte() {
-            255 => None,
-            count => {
-                assert!(count <= most);
-                Some((0..count).map(|_| self.light(sides)).collect())
-            }
-        });
-        Leaf { mins, size, points: points.collect() }
-    }
-}
-
-impl Grid {
-    fn of(bsp: &Bsp) -> Self {
-        let lumps = ["LIGHTGRID_OCTREE", "LIGHTGRIDS"]
-            .map(|name| bsp.bspx.iter().find(|lump| lump.name == name));
-        match lumps {
-            [Some(lump), None] => Self::read(&lump.data, false),
-            [None, Some(lump)] => {
-                let (size, grid) = lump.data.split_at(4);
-                assert_eq!(u32::from_le_bytes(size.try_into().unwrap()) as usize, grid.len());
-                Self::read(grid, true)
-            }
-            _ => panic!("one of the two lumps"),
-        }
-    }
-
-    fn read(data: &[u8], sides: bool) -> Self {
-        let mut r = Reader(data);
-        let (step, size, mins) = (r.floats(), r.words(), r.floats());
-        let (most_styles, root) = (r.byte(), r.word());
-        let nodes = (0..r.word()).map(|_| (r.words(), r.words())).collect();
-        let leafs = (0..r.word()).map(|_| r.leaf(sides)).collect();
-        assert!(r.0.is_empty(), "nothing is left over");
-        let grid = Self { step, size, mins, most_styles, root, nodes, leafs };
-        grid.check();
-        grid
-    }
-
-    /// Leaf and place in it of a point, `None` where the tree says that all is solid, and the number of
-    /// nodes on the way.
-    fn find(&self, at: [u32; 3]) -> (Option<(usize, usize)>, u32) {
-        let (mut word, mut depth, mut parent) = (self.root, 0, self.nodes.len());
-        loop {
-            if word >> 30 == 1 {
-                return (None, depth);
-            }
-            if word >> 31 == 1 {
-                let index = (word & 0x7fff_ffff) as usize;
-                let Leaf { mins, size, .. } = &self.leafs[index];
-                let [x, y, z] = [0, 1, 2].map(|i| at[i].checked_sub(mins[i]).unwrap());
-                assert!(x < size[0] && y < size[1] && z < size[2]);
-                return (Some((index, ((z * size[1] + y) * size[0] + x) as usize)), depth);
-            }
-            assert!((word as usize) < parent, "children come before their parents");
-            parent = word as usize;
-            let (middle, children) = &self.nodes[parent];
-            let bit = |axis: usize| usize::from(at[axis] >= middle[axis]) << (2 - axis);
-            word = children[bit(0) | bit(1) | bit(2)];
-            depth += 1;
-        }
-    }
-
-    fn all(&self) -> impl Iterator<Item = [u32; 3]> {
-        let [w, d, h] = self.size;
-        (0..h).flat_map(move |z| (0..d).flat_map(move |y| (0..w).map(move |x| [x, y, z])))
-    }
-
-    /// Every point is in one place, every place is that of one point, and no leaf is nothing but solid.
-    fn check(&self) {
-        let places: Vec<_> = self.all().map(|at| self.find(at)).collect();
-        assert!(places.iter().all(|&(_, depth)| depth <= 5));
-        let found: Vec<_> = places.iter().filter_map(|p| p.0).collect();
-        assert_eq!(found.iter().collect::<HashSet<_>>().len(), found.len());
-        assert_eq!(self.leafs.iter().map(|l| l.points.len()).sum::<usize>(), found.len());
-        assert!(self.leafs.iter().all(|l| l.points.iter().any(Option::is_some)));
-        let most = self.leafs.iter().flat_map(|l| &l.points).flatten().map(Vec::len).max();
-        assert_eq!(most.unwrap_or(0).max(1), usize::from(self.most_styles));
-    }
-
-    fn light(&self, at: [u32; 3]) -> Option<&[Light]> {
-        let (leaf, place) = self.find(at).0?;
-        self.leafs[leaf].points[place].as_deref()
-    }
-
-    fn position(&self, at: [u32; 3]) -> DVec3 {
-        let along = |i: usize| self.mins[i] + self.step[i] * at[i] as f32;
-        Vec3::new(along(0), along(1), along(2)).as_dvec3()
-    }
-
-    /// Where the light of every point should have been taken, and its light.
-    fn points(&self) -> impl Iterator<Item = (Option<DVec3>, Option<&[Light]>)> {
-        self.all().map(|at| (freed(self.position(at)), self.light(at)))
-    }
+/// Where the light of every point should have been taken, and its light.
+fn points(grid: &Grid) -> impl Iterator<Item = (Option<DVec3>, Option<&[Light]>)> {
+    grid.all().map(|at| (freed(grid.position(at)), grid.light(at)))
 }
 
 /// A point, or the first of its neighbours 2 units away, that is neither in a wall nor in the pillar.
@@ -239,7 +91,7 @@ fn one_light_in_a_room_has_its_closed_form_at_every_point() {
         assert_eq!((grid.size, grid.step), ([16; 3], [16.0; 3]));
         assert_eq!(grid.mins, ROOM[0].as_vec3().to_array());
         let (mut checked, mut dark, mut solid, mut close) = (0, 0, 0, 0);
-        for (place, light) in grid.points() {
+        for (place, light) in points(&grid) {
             let (Some(place), Some(light)) = (place, light) else {
                 assert!(place.is_none() && light.is_none(), "{place:?} {light:?}");
                 solid += 1;

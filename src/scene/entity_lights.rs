@@ -209,7 +209,7 @@ impl Reader<'_> {
                 bounce_scale: self.number("bouncescale").unwrap_or(1.0).max(0.0),
                 entity: index,
             },
-            template: self.template(world),
+            template: self.template(world, colour.is_some()),
             deviance,
             samples: samples as u32,
             is_spot: mangle.is_some(),
@@ -277,7 +277,7 @@ impl Reader<'_> {
             || self.entity.setting("switchableshadow_target").is_some_and(|t| !t.is_empty())
     }
 
-    fn template(&mut self, world: &WorldSettings) -> Option<Template> {
+    fn template(&mut self, world: &WorldSettings, has_colour: bool) -> Option<Template> {
         let texture = self.entity.get("_surface").filter(|t| !t.is_empty())?;
         let mode =
             self.entity.get("_surface_radiosity").map_or(world.surface_light_mode, keys::integer);
@@ -289,7 +289,7 @@ impl Reader<'_> {
             spotlight: raw("_surface_spotlight") != 0.0,
             group: self.entity.setting("surflight_group").map_or(0, keys::integer),
             radiosity: mode != 0,
-            has_colour: self.entity.setting("color").is_some(),
+            has_colour,
             is_sky: raw("_surface_is_sky") != 0.0,
             all_around: self
                 .entity

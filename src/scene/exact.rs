@@ -39,3 +39,20 @@ pub(crate) fn brightness(c: Vec3) -> f32 {
 pub(crate) fn radians(degrees: f32) -> f64 {
     f64::from(degrees) * (2.0 * std::f64::consts::PI / 360.0)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn distances_from_a_plane() {
+        for (z, want) in [(100.0, 90.0), (10.0, 0.0), (-5.0, -15.0)] {
+            assert_eq!(distance(Vec3::new(-7.0, 3.0, z), Vec3::Z, 10.0), want);
+        }
+        // A plane through a point that its normal says.
+        let (normal, point) = (normalize(Vec3::new(1.0, 2.0, 2.0)), Vec3::new(3.0, 0.0, 3.0));
+        assert!((dot(normal, point) - 3.0).abs() < 1e-6);
+        assert!(distance(point, normal, 3.0).abs() < 1e-6);
+        assert_eq!(normalize(Vec3::ZERO), Vec3::ZERO);
+    }
+}

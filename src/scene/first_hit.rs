@@ -20,7 +20,8 @@ impl ShadowRays<'_> {
         self.first(from, direction, reach, true)
     }
 
-    /// The same, but rays that meet edges go where the reference lets them, through seams too. For
+    /// The same, but rays that meet edges go where the reference lets them, through seams and inner
+    /// diagonals too. For
     /// the many short rays of dirt, of which single ones do not matter to an eye.
     pub(crate) fn first_hit_as_reference(
         &mut self,
@@ -34,7 +35,7 @@ impl ShadowRays<'_> {
     fn first(&mut self, from: Vec3, direction: Vec3, reach: f32, tight: bool) -> Option<Hit> {
         self.rays += 1;
         let (start, way) = (from.as_dvec3(), direction.as_dvec3() * f64::from(reach));
-        let mut meetings = self.meetings(start, way);
+        let mut meetings = self.meetings(start, way, tight);
         self.last_first = meetings.inside.map(|m| m.1);
         meetings.edges.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         let edges = &meetings.edges;
@@ -54,7 +55,8 @@ impl ShadowRays<'_> {
         first.map(|(t, polygon)| Hit { polygon, distance: (t * f64::from(reach)) as f32 })
     }
 
-    fn meetings(&mut self, start: DVec3, way: DVec3) -> Meetings {
+    /// Inner diagonals count as inside if `tight`, and else as edges.
+    fn meetings(&mut self, start: DVec3, way: DVec3, tight: bool) -> Meetings {
         let mut found = Meetings { inside: None, edges: Vec::new() };
         // What was met last is likely to be met again and then bounds the search.
         if let Some(last) = self.last_first {
@@ -70,7 +72,8 @@ impl ShadowRays<'_> {
             match meet(corners(tracer, polygon), start, way) {
                 (Contact::None, _) => {}
                 (Contact::Edge, t) => found.edges.push((t, polygon)),
-                (Contact::Inside, t) => {
+                (Contact::Diagonal, t) if !tight => found.edges.push((t, polygon)),
+                (Contact::Diagonal | Contact::Inside, t) => {
                     let nearer = |m: (f64, u32)| t < m.0 || t == m.0 && polygon < m.1;
                     if found.inside.is_none_or(nearer) {
                         found.inside = Some((t, polygon));

@@ -159,5 +159,11 @@ mod tests {
         ] {
             assert!((direction(mangle) - want).length() < 1e-6, "{mangle}");
         }
+        for (yaw, pitch) in (-179..180_i16).flat_map(|y| (-89..90_i16).map(move |p| (y, p))) {
+            let (yaw, pitch) = (f32::from(yaw), f32::from(pitch));
+            let d = direction(Vec3::new(yaw, pitch, 0.0));
+            let (back, up) = (d.y.atan2(d.x), d.z.atan2(d.x.hypot(d.y)));
+            assert!((back.to_degrees() - yaw).abs() < 0.1 && (up.to_degrees() - pitch).abs() < 0.1);
+        }
     }
 }

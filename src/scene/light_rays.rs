@@ -177,7 +177,7 @@ impl<'a> LightRays<'a> {
         let whole = way.direction.as_dvec3() * f64::from(way.reach);
         self.filters.crossings(start, whole, crossed);
         crossed.retain(|&(t, polygon, contact)| {
-            contact == Contact::Inside
+            contact.is_inside()
                 || tie::blocked_along(
                     self.filters.corners(polygon),
                     way.from,

@@ -43,7 +43,16 @@ pub struct ShadowRays<'a> {
 pub(super) enum Contact {
     None,
     Edge,
+    /// Where two triangles of its fan meet, which is no edge of the polygon.
+    Diagonal,
     Inside,
+}
+
+impl Contact {
+    /// Whether the ray goes through the polygon, not only along its edge.
+    pub(super) fn is_inside(self) -> bool {
+        self >= Self::Diagonal
+    }
 }
 
 impl<'a> ShadowRays<'a> {
@@ -71,13 +80,13 @@ impl<'a> ShadowRays<'a> {
         self.rays += 1;
         let (start, way) = (from.as_dvec3(), to.as_dvec3() - from.as_dvec3());
         if let Some(last) = self.last_blocker
-            && meet(self.corners(last), start, way).0 == Contact::Inside
+            && meet(self.corners(last), start, way).0.is_inside()
         {
             return true;
         }
         match self.contact(start, way) {
             Contact::None => false,
-            Contact::Inside => true,
+            Contact::Diagonal | Contact::Inside => true,
             Contact::Edge => {
                 let touched = std::mem::take(&mut self.touched);
                 let tied = touched.iter().any(|&(_, p)| tie::blocked(self.corners(p), from, to));
@@ -154,7 +163,7 @@ impl<'a> ShadowRays<'a> {
                 };
                 best = best.max(contact);
                 match contact {
-                    Contact::Inside => {
+                    Contact::Diagonal | Contact::Inside => {
                         self.last_blocker = Some(polygon);
                         return STOP;
                     }
@@ -180,6 +189,8 @@ pub(super) fn meet(v: &[Vec3], start: DVec3, way: DVec3) -> (Contact, f64) {
     let from_corner = start - corner;
     let mut best = (Contact::None, f64::INFINITY);
     let mut ab = v[1].as_dvec3() - corner;
+    // How the triangle before is turned, if the ray meets it on the diagonal to the next.
+    let mut shared = 0.0;
     for c in &v[2..] {
         let ac = c.as_dvec3() - corner;
         let p = way.cross(ac);
@@ -188,12 +199,19 @@ pub(super) fn meet(v: &[Vec3], start: DVec3, way: DVec3) -> (Contact, f64) {
         let scale = det.abs();
         let sign = det.signum();
         let (u, v, t) = (from_corner.dot(p) * sign, way.dot(q) * sign, ac.dot(q) * sign);
-        let least = u.min(v).min(scale - u - v);
-        if scale > 0.0 && t > 0.0 && t <= scale && least >= -ON_EDGE * scale {
-            let contact = if least > ON_EDGE * scale { Contact::Inside } else { Contact::Edge };
+        let w = scale - u - v;
+        let edge = ON_EDGE * scale;
+        let before = std::mem::take(&mut shared);
+        if scale > 0.0 && t > 0.0 && t <= scale && u.min(v).min(w) >= -edge {
+            let contact = match (u.min(w) > edge, v > edge, before == sign) {
+                (true, true, _) => return (Contact::Inside, t / scale),
+                (true, false, true) => Contact::Diagonal,
+                _ => Contact::Edge,
+            };
             if contact > best.0 {
                 best = (contact, t / scale);
             }
+            shared = if v.min(w) > edge { sign } else { 0.0 };
         }
         ab = ac;
     }
@@ -234,6 +252,85 @@ mod tests {
         assert!(blocked(&wall, [-4.0, -1.0, 1.0], [4.0, 1.0, -1.0]), "across the seam");
         assert!(!blocked(&wall, [-4.0, 9.0, 1.0], [4.0, 9.0, 1.0]), "beside");
         assert!(!blocked(&wall, [-4.0, 2.0, 1.0], [-1.0, 3.0, 1.0]), "ends before");
+    }
+
+    #[test]
+    fn inner_diagonals_are_inside() {
+        // A house front with a corner on its left side, looked at along the plane x = z / slope, as
+        // flat as can be. The fan around the first corner has its diagonals where no edge is.
+        let front: [[f32; 2]; 6] =
+            [[0.0, 0.0], [0.0, 4.0], [0.0, 8.0], [4.0, 12.0], [8.0, 8.0], [8.0, 0.0]];
+        let corners = front.map(|[y, z]| Vec3::new(0.0, y, z));
+        let through = |y: f64, z: f64, slope: f64| {
+            let way = DVec3::new(1.0, slope, 0.5 * slope);
+            meet(&corners, DVec3::new(0.0, y, z) - way, way * 4.0)
+        };
+        for slope in [0.0, 1.0, 1024.0] {
+            for along in [0.25, 0.5, 0.75] {
+                for [y, z] in &front[2..5] {
+                    let (contact, t) = through(f64::from(*y) * along, f64::from(*z) * along, slope);
+                    let real = *y == 0.0;
+                    let want = if real { Contact::Edge } else { Contact::Diagonal };
+                    assert_eq!((contact, t), (want, 0.25), "{slope}: {along} of {y} {z}");
+                }
+            }
+            for [y, z] in front {
+                assert_eq!(through(y.into(), z.into(), slope).0, Contact::Edge, "corner {y} {z}");
+            }
+        }
+    }
+
+    #[test]
+    fn folds_of_a_fan_are_edges() {
+        // The fan around the corner 0 0 of this dart covers the notch between 4 1 and 8 0 twice.
+        let dart = [[0.0, 0.0], [8.0, 0.0], [4.0, 1.0], [4.0, 8.0]];
+        let dart = dart.map(|[y, z]| Vec3::new(0.0, y, z));
+        let at = |y: f64, z: f64| meet(&dart, DVec3::new(-1.0, y, z), DVec3::X * 2.0).0;
+        assert_eq!(at(2.0, 0.5), Contact::Diagonal, "no edge");
+        let fold = [[0.0, 0.0], [8.0, 0.0], [4.0, 1.0], [6.0, 0.5]];
+        let fold = fold.map(|[y, z]| Vec3::new(0.0, y, z));
+        let on = meet(&fold, DVec3::new(-1.0, 2.0, 0.5), DVec3::X * 2.0).0;
+        assert_eq!(on, Contact::Edge, "the fan turns back here");
+    }
+
+    #[test]
+    fn walls_block_at_the_edge_where_they_meet() {
+        // The sides x = 0 and y = 0 of a block with its edge along the z axis.
+        let sides = Tracer::new(vec![
+            square([[0.0, 0.0, -8.0], [0.0, 0.0, 8.0], [0.0, 8.0, 8.0], [0.0, 8.0, -8.0]]),
+            square([[0.0, 0.0, -8.0], [8.0, 0.0, -8.0], [8.0, 0.0, 8.0], [0.0, 0.0, 8.0]]),
+        ]);
+        for (x, y) in [(1.0, 1.0), (1.0, 2.0), (5.0, 1.0)] {
+            assert!(blocked(&sides, [-x, -y, 1.0], [x, y, 1.0]), "{x} {y} into the block");
+            assert!(blocked(&sides, [-x, -y, -4.0], [x, y, 5.0]), "{x} {y} and up");
+        }
+        // Past the edge on the outside: no seam, whatever rounding makes of it.
+        let (start, way) = (DVec3::new(-4.0, 4.0, 1.0), DVec3::new(8.0, -8.0, 0.0));
+        assert_eq!(ShadowRays::new(&sides).seam(start, way, &mut [0.5].into_iter()), None);
+    }
+
+    #[test]
+    fn rims_at_different_depths_are_no_seam() {
+        // Seen along x, a plate below y = 8 in front and one above it behind, or both below.
+        let plate = |x: f32, y0: f32, y1: f32| {
+            square([[x, y0, -8.0], [x, y0, 8.0], [x, y1, 8.0], [x, y1, -8.0]])
+        };
+        let (from, to) = (Vec3::new(-4.0, 8.0, 1.0), Vec3::new(20.0, 8.0, 1.0));
+        let seam = |behind: [f32; 3]| {
+            let tracer =
+                Tracer::new(vec![plate(0.0, 0.0, 8.0), plate(behind[0], behind[1], behind[2])]);
+            let mut rays = ShadowRays::new(&tracer);
+            let tied = tracer.polygons().iter().any(|p| tie::blocked(&p.vertices, from, to));
+            let (start, way) = (from.as_dvec3(), (to - from).as_dvec3());
+            let places = [4.0, 4.0 + f64::from(behind[0])].map(|d| d / way.x);
+            let seam = rays.seam(start, way, &mut places.into_iter()).is_some();
+            assert_eq!(rays.blocked(from, to), tied || seam, "{behind:?}");
+            (seam, tied)
+        };
+        assert_eq!(seam([0.0, 8.0, 16.0]), (true, true), "one wall");
+        assert_eq!(seam([0.5, 8.0, 16.0]), (false, true), "the low rim behind decides");
+        assert_eq!(seam([10.0, 8.0, 16.0]), (false, true));
+        assert_eq!(seam([10.0, 0.0, 8.0]), (false, false), "light passes two high rims");
     }
 
     #[test]

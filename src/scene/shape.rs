@@ -44,9 +44,11 @@ impl Shape {
         (self.vertices[edge], self.vertices[(edge + 1) % self.vertices.len()])
     }
 
-    /// Whether a point is within the edges, or at most [`POINT_EQ`] outside, whatever its height.
+    /// Whether a point is within the edges, or at most [`POINT_EQ`] outside, whatever its height. A
+    /// polygon without area has no point.
     pub fn surrounds(&self, p: Vec3) -> bool {
-        self.edges.iter().all(|(n, d)| distance(p, *n, *d) >= -POINT_EQ)
+        let within = |(n, d): &(Vec3, f32)| distance(p, *n, *d) >= -POINT_EQ;
+        !self.edges.is_empty() && self.edges.iter().all(within)
     }
 
     /// The point one unit in front of the plane, over or under `p`.
@@ -189,28 +191,87 @@ impl LuxelMap {
 mod tests {
     use super::*;
 
+    const FLOOR: Plane = Plane { normal: Vec3::Z, dist: 0.0, kind: 2 };
+
+    fn polygon(corners: &[[f32; 2]]) -> Shape {
+        let v = corners.iter().map(|&[x, y]| Vec3::new(x, y, 0.0)).collect();
+        Shape::new(v, FLOOR, Some(0))
+    }
+
     fn square() -> Shape {
-        let v = [[0.0, 0.0], [0.0, 64.0], [64.0, 64.0], [64.0, 0.0]];
-        let v = v.map(|[x, y]| Vec3::new(x, y, 0.0)).to_vec();
-        Shape::new(v, Plane { normal: Vec3::Z, dist: 0.0, kind: 2 }, Some(0))
+        polygon(&[[0.0, 0.0], [0.0, 64.0], [64.0, 64.0], [64.0, 0.0]])
     }
 
     #[test]
     fn edges_face_inwards_with_their_tolerance() {
-        let square = square();
-        assert_eq!(square.edges.len(), 4);
-        assert!(square.surrounds(Vec3::new(0.0, 0.0, 5.0)));
-        assert!(square.surrounds(Vec3::new(64.04, 32.0, 0.0)));
-        assert!(!square.surrounds(Vec3::new(64.1, 32.0, 0.0)));
-        assert_eq!(square.nearest_on_boundary(Vec3::new(-5.0, 70.0, 1.0)), square.vertices[1]);
+        let plain = square();
+        // Corners that repeat, and one that lies on an edge.
+        let more = [[0.0, 0.0], [0.0, 32.0], [0.0, 64.0], [0.0, 64.0], [64.0, 64.0], [64.0, 0.0]];
+        let more = polygon(&more);
+        assert_eq!([plain.edges.len(), more.edges.len()], [4, 5]);
+        for square in [plain, more] {
+            let mut inside = square.vertices.clone();
+            inside.extend([Vec3::new(32.0, 32.0, 0.0), Vec3::new(1.0, 63.0, 5.0)]);
+            for p in inside {
+                assert!(square.surrounds(p) && square.surrounds(p - Vec3::Z * 100.0), "{p}");
+            }
+            assert!(square.surrounds(Vec3::new(64.04, 32.0, 0.0)));
+            for (x, y) in [(-0.1, 32.0), (64.1, 32.0), (32.0, -0.1), (32.0, 64.1)] {
+                assert!(!square.surrounds(Vec3::new(x, y, 0.0)), "{x} {y}");
+            }
+        }
     }
 
     #[test]
-    fn polygons_without_area_have_no_edges() {
-        let v: Vec<Vec3> = [0.0, 1.0, 2.0].map(|x| Vec3::new(x, 0.0, 0.0)).to_vec();
-        assert!(
-            Shape::new(v, Plane { normal: Vec3::Z, dist: 0.0, kind: 2 }, None).edges.is_empty()
+    fn polygons_without_area_surround_nothing() {
+        let line = [[0.0, 0.0], [1.0, 0.0], [2.0, 0.0]];
+        let (none, point) = (polygon(&[]), polygon(&[[1.0, 0.0]; 3]));
+        for shape in [none, point, polygon(&line), polygon(&line[..2])] {
+            assert!(shape.edges.is_empty());
+            assert!(!shape.surrounds(Vec3::X));
+        }
+    }
+
+    #[test]
+    fn a_slight_notch_leaves_a_polygon_usable() {
+        // Ten corners on a circle, one of them pulled in past the line of its neighbours.
+        let mut corners = [[0.0_f32; 2]; 10];
+        for (i, corner) in corners.iter_mut().enumerate() {
+            let (sin, cos) = (-(i as f32) * 36_f32.to_radians()).sin_cos();
+            let radius = if i == 4 { 128.0 * 36_f32.to_radians().cos() - 0.01 } else { 128.0 };
+            *corner = [radius * cos, radius * sin];
+        }
+        let shape = polygon(&corners);
+        assert_eq!(shape.edges.len(), 10);
+        assert!(shape.surrounds(Vec3::ZERO) && shape.surrounds(Vec3::new(100.0, 0.0, 0.0)));
+        assert!(shape.vertices.iter().all(|v| shape.surrounds(*v)));
+        assert!(!shape.surrounds(Vec3::new(128.2, 0.0, 0.0)));
+    }
+
+    #[test]
+    fn the_first_edge_is_nearest_of_equals() {
+        let mut square = square();
+        assert_eq!(square.nearest_on_boundary(Vec3::new(32.0, 32.0, 0.0)), Vec3::Y * 32.0);
+        assert_eq!(
+            square.nearest_on_boundary(Vec3::new(48.0, 48.0, 0.0)).x,
+            48.0,
+            "edge 1 of 1 and 2"
         );
+        assert_eq!(square.nearest_on_boundary(Vec3::new(-5.0, 70.0, 1.0)), square.vertices[1]);
+        square.vertices = vec![Vec3::ONE; 2];
+        assert_eq!(square.nearest_on_boundary(Vec3::ZERO), Vec3::ONE, "an edge without length");
+    }
+
+    #[test]
+    fn fractions_of_a_line() {
+        let (a, b) = (Vec3::new(10.0, 10.0, 5.0), Vec3::new(20.0, 30.0, 5.0));
+        for f in [0.0, 0.5, 1.0, 2.0, -1.0] {
+            let beside = Vec3::new(-2.0, 1.0, 7.0);
+            for p in [a + (b - a) * f, a + (b - a) * f + beside] {
+                assert!((fraction_along(a, b, p) - f).abs() < 1e-6, "{f} at {p}");
+            }
+        }
+        assert_eq!(fraction_along(a, a, b), 0.0);
     }
 
     #[test]
@@ -218,7 +279,8 @@ mod tests {
         let mut v = square().vertices;
         v.insert(1, Vec3::new(0.0, 32.0, 0.0));
         assert_eq!(area_and_centre(&v), (4096.0, Vec3::new(32.0, 32.0, 0.0)));
-        assert!(area_and_centre(&v[..2]).1.is_nan());
+        assert!((0..3).all(|n| area_and_centre(&v[..n]).0 == 0.0));
+        assert!((0..3).all(|n| area_and_centre(&v[..n]).1.is_nan()));
     }
 
     #[test]
@@ -229,7 +291,7 @@ mod tests {
             miptex: 0,
             flags: 0,
         };
-        let plane = Plane { normal: Vec3::Z, dist: 100.0, kind: 2 };
+        let plane = Plane { dist: 100.0, ..FLOOR };
         let map = LuxelMap::new(&texinfo, plane, [-3, 2], 16).unwrap();
         let p = map.world_of(1.0, 2.0);
         assert_eq!(p, Vec3::new(-32.0 - 8.0, -32.0, 100.0));
@@ -237,5 +299,23 @@ mod tests {
         assert_eq!(map.steps(), [Vec3::new(16.0, 0.0, 0.0), Vec3::new(0.0, -8.0, 0.0)]);
         let flat = TexInfo { t: texinfo.s, ..texinfo };
         assert!(LuxelMap::new(&flat, plane, [0, 0], 16).is_none());
+    }
+
+    #[test]
+    fn maps_to_luxels_and_back_are_inverse() {
+        let texinfo = TexInfo {
+            s: Vec4::new(0.5, 0.25, -0.3, 17.0),
+            t: Vec4::new(-0.1, -1.5, 0.2, -2000.0),
+            miptex: 0,
+            flags: 0,
+        };
+        let normal = Vec3::new(1.0, 2.0, 5.0).normalize();
+        let map = LuxelMap::new(&texinfo, Plane { normal, dist: -700.0, kind: 5 }, [9, -130], 16)
+            .unwrap();
+        for (s, t) in [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0), (16.0, 16.0), (-3.5, 7.25)] {
+            let p = map.world_of(s, t);
+            assert!((map.luxel_of(p) - Vec2::new(s, t)).length() < 1e-3, "{s} {t} {p}");
+            assert!((distance(p, normal, -700.0)).abs() < 1e-3, "on the plane");
+        }
     }
 }

@@ -53,7 +53,7 @@ impl ShadowRays<'_> {
             match contact {
                 Contact::None => {}
                 Contact::Edge => unsure = true,
-                Contact::Inside => {
+                Contact::Diagonal | Contact::Inside => {
                     let polygon = sky.polygons[polygon as usize];
                     if nearest.is_none_or(|n| t < n.0 || t == n.0 && polygon < n.1) {
                         nearest = Some((t, polygon));
@@ -68,7 +68,7 @@ impl ShadowRays<'_> {
         let Some((t, polygon)) = nearest else { return View::NoSky };
         if let Some(last) = self.last_before_sky {
             let (contact, before) = meet(self.corners(last), start, way);
-            if contact == Contact::Inside && before < t {
+            if contact.is_inside() && before < t {
                 return View::NoSky;
             }
         }
@@ -83,7 +83,7 @@ impl ShadowRays<'_> {
                 return -1.0;
             }
             let (contact, before) = meet(corners(tracer, other), start, way);
-            if contact == Contact::Inside && before < t {
+            if contact.is_inside() && before < t {
                 blocker = Some(other);
                 return -1.0;
             }

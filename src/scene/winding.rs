@@ -92,6 +92,18 @@ mod tests {
     }
 
     #[test]
+    fn a_plane_in_the_middle_makes_two_halves() {
+        let (front, back) = clip(&rectangle(64.0, 64.0), 0, 32.0);
+        for (half, low, high) in [(front, 32.0, 64.0), (back, 0.0, 32.0)] {
+            assert_eq!(half.iter().copied().reduce(Vec3::min), Some(Vec3::new(low, 0.0, 0.0)));
+            assert_eq!(half.iter().copied().reduce(Vec3::max), Some(Vec3::new(high, 64.0, 0.0)));
+            assert_eq!(area_and_centre(&half).0, 2048.0);
+        }
+        let (front, back) = clip(&rectangle(64.0, 64.0), 0, 64.05);
+        assert!(front.len() < 3 && area_and_centre(&back).0 == 4096.0, "as good as beside it");
+    }
+
+    #[test]
     fn dice_cover_the_polygon_and_keep_slivers() {
         let pieces = dice(&rectangle(48.0, 33.0), 16.0).unwrap();
         // The last unit is too thin to be cut off: 33 - 1 is not more than 32.

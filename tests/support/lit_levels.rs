@@ -11,6 +11,8 @@ use qrad::{MapLight, light_bsp};
 
 /// A lit map.
 pub struct LitMap {
+    /// The map with its lighting.
+    pub bsp: Bsp,
     pub scene: Scene,
     pub faces: Vec<FinishedFace>,
 }
@@ -36,7 +38,7 @@ impl LitMap {
         let MapLight { scene, faces, .. } = lit.unwrap();
         let unexpected = |w: &&String| !w.contains("reflect more than");
         assert_eq!(scene.warnings.iter().find(unexpected), None);
-        Self { scene, faces }
+        Self { bsp, scene, faces }
     }
 
     /// Index of the face through a point that looks along `normal`; the last of several, so that brush

@@ -8,7 +8,7 @@ const EMPTY: i32 = -1;
 const SOLID: i32 = -2;
 
 /// An axis-aligned box.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 struct Box3 {
     mins: Vec3,
     maxs: Vec3,
@@ -21,6 +21,9 @@ pub struct MapBuilder {
     room: Box3,
     room_textures: [usize; 6],
     pillars: Vec<(Box3, usize)>,
+    /// Pillars with solid leafs of their own.
+    fences: Vec<Box3>,
+    liquids: Vec<(Box3, usize)>,
     /// Brush models: their box and, unless they are all `skip`, its texture.
     models: Vec<(Box3, Option<usize>)>,
     textures: Vec<(MipTex, i32)>,
@@ -36,6 +39,8 @@ impl MapBuilder {
             room: Box3 { mins: mins.into(), maxs: maxs.into() },
             room_textures: [0; 6],
             pillars: Vec::new(),
+            fences: Vec::new(),
+            liquids: Vec::new(),
             models: Vec::new(),
             textures: Vec::new(),
             cell: None,
@@ -87,6 +92,18 @@ impl MapBuilder {
         self
     }
 
+    /// Adds a pillar whose inside is a leaf of its own, natively solid, as those of detail fences are.
+    pub fn fence(mut self, mins: [f32; 3], maxs: [f32; 3], texture: usize) -> Self {
+        self.fences.push(Box3 { mins: mins.into(), maxs: maxs.into() });
+        self.pillar(mins, maxs, texture)
+    }
+
+    /// Adds a box of faces of the world that look outwards, with nothing solid inside.
+    pub fn liquid(mut self, mins: [f32; 3], maxs: [f32; 3], texture: usize) -> Self {
+        self.liquids.push((Box3 { mins: mins.into(), maxs: maxs.into() }, texture));
+        self
+    }
+
     /// Adds a brush model, a solid box; the first is `*1`. Without a texture it has no faces, as if it
     /// were made of `skip`.
     pub fn model(mut self, mins: [f32; 3], maxs: [f32; 3], texture: Option<usize>) -> Self {
@@ -121,6 +138,7 @@ impl MapBuilder {
             texinfos: HashMap::new(),
             flags: self.textures.iter().map(|&(_, flags)| flags).collect(),
             rects: Vec::new(),
+            fences: self.fences.clone(),
         };
         let bsp = &mut work.bsp;
         bsp.textures = self.textures.iter().map(|(texture, _)| Some(texture.clone())).collect();
@@ -136,6 +154,11 @@ impl MapBuilder {
         for &(pillar, texture) in &self.pillars {
             for side in (0..6).filter(|&side| !on_side(self.room, pillar, side)) {
                 work.side(pillar, side, side % 2 == 1, texture, self.cell);
+            }
+        }
+        for &(area, texture) in &self.liquids {
+            for side in 0..6 {
+                work.side(area, side, side % 2 == 1, texture, self.cell);
             }
         }
         let boxes: Vec<Box3> = self.pillars.iter().map(|&(pillar, _)| pillar).collect();
@@ -179,6 +202,7 @@ struct Work {
     texinfos: HashMap<(usize, usize), i32>,
     flags: Vec<i32>,
     rects: Vec<Rect>,
+    fences: Vec<Box3>,
 }
 
 impl Work {
@@ -333,6 +357,11 @@ impl Work {
                 self.bsp.nodes[node].children = children;
                 return node as i32;
             }
+        }
+        if self.fences.contains(&first) {
+            let (contents, vis_offset, first_mark, mark_count) = (SOLID, -1, 0, 0);
+            self.bsp.leafs.push(Leaf { contents, vis_offset, first_mark, mark_count });
+            return -(self.bsp.leafs.len() as i32);
         }
         -1
     }

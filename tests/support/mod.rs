@@ -3,6 +3,7 @@
 #![allow(dead_code)]
 
 pub mod attacks;
+pub mod grid_reader;
 pub mod invariants;
 pub mod lit_levels;
 pub mod lit_light;
