@@ -1,8 +1,8 @@
 //! Suns and sky domes: light from far away that comes through sky (contract sections 5.1 and 5.2).
 
-use super::entity_lights::check_light_count;
 use super::exact::normalize;
 use super::keys;
+use super::light_list::check_light_count;
 use super::random::Random;
 use super::world::WorldSettings;
 use crate::Result;

@@ -1,7 +1,8 @@
 //! Surface lights: point lights spread over the faces of a texture (mode 0 of the contract's section
 //! 4.7), or the faces themselves as area light.
 
-use super::entity_lights::{Draft, check_light_count};
+use super::entity_lights::Draft;
+use super::light_list::check_light_count;
 use super::shape::{Shape, area_and_centre};
 use super::surface::Surface;
 use crate::Result;
