@@ -7,10 +7,12 @@ use glam::Vec3;
 use qrad::bsp::{Bsp, Format};
 use qrad::lightmap::Gather;
 use qrad::settings::{Quality, Settings};
+use std::collections::HashMap;
 use support::lit_map::Prepared;
 use support::map_builder::MapBuilder;
 
-const GATHERS: [Gather; 2] = [Gather::Interpolate, Gather::Luxel];
+/// The entity of brush model `*1` as a door that casts shadow.
+const DOOR: &str = "{\n\"classname\" \"func_door\"\n\"model\" \"*1\"\n\"_shadow\" \"1\"\n}\n";
 
 /// A room of 384 x 384 x 192 units, grey all over.
 fn room() -> MapBuilder {
@@ -92,74 +94,116 @@ fn no_light_gets_through_a_wall_or_the_joint_of_its_brushes() {
 /// and of the odd ones), between two in the middle, or right beside one.
 #[test]
 fn no_light_gets_under_a_closed_door() {
-    let door = "{\n\"classname\" \"func_door\"\n\"model\" \"*1\"\n\"_shadow\" \"1\"\n}\n";
     for [low, high] in
         [[-4.0, 4.0], [12.0, 20.0], [4.0, 12.0], [22.0, 23.0], [1.0, 5.0], [9.0, 15.9]]
     {
         let bsp = room()
             .model([low, -192.0, 0.0], [high, 192.0, 192.0], Some(0))
-            .entities(lit_from("-90 30 80", door))
+            .entities(lit_from("-90 30 80", DOOR))
             .build(Format::Bsp2);
         check_dark(&format!("door {low} to {high}"), &bsp, 1e-4, |p| p.x > high - 0.6);
     }
 }
 
-/// Two pillars 2 units apart, and one 1 unit from the wall.
+/// The same of `skip`: it casts shadow but has no faces.
 #[test]
-fn no_luxel_is_black_where_brushes_nearly_touch() {
-    let bsp = room()
-        .pillar([-65.0, -32.0, 0.0], [-1.0, 32.0, 96.0], 0)
-        .pillar([1.0, -32.0, 0.0], [65.0, 32.0, 96.0], 0)
-        .pillar([-32.0, 127.0, 0.0], [32.0, 191.0, 128.0], 0)
-        .entities(lit_from("100 -110 120", ""))
-        .build(Format::Bsp2);
-    let map = Prepared::new(&bsp, Settings::default(), false);
-    for gather in GATHERS {
-        let all = luxels(&map, gather);
-        let light = |face, at| all.iter().find(|l| l.face == face && l.at == at).map(|l| l.light);
-        let (mut least, mut seen) = (f32::INFINITY, 0);
-        for luxel in &all {
-            let [s, t] = luxel.at;
-            let around = [[s.wrapping_sub(1), t], [s + 1, t], [s, t.wrapping_sub(1)], [s, t + 1]];
-            let near: Vec<f32> = around.iter().filter_map(|&at| light(luxel.face, at)).collect();
-            let in_slit = luxel.position.x.abs() < 1.5 && luxel.position.y.abs() < 32.0
-                || luxel.position.y > 190.0 && luxel.position.x.abs() < 32.0;
-            if near.len() < 3 || in_slit {
-                continue;
-            }
-            seen += 1;
-            least = least.min(luxel.light / (near.iter().sum::<f32>() / near.len() as f32));
-        }
-        println!("{gather:?}: {seen} luxels, at least {least} of those around");
-        assert!(seen > 2000 && least > 0.4, "{gather:?}: {least}");
+fn no_light_gets_under_an_unseen_door() {
+    for [low, high] in [[-4.0, 4.0], [22.0, 23.0]] {
+        let bsp = room()
+            .model([low, -192.0, 0.0], [high, 192.0, 192.0], None)
+            .entities(lit_from("-90 30 80", DOOR))
+            .build(Format::Bsp2);
+        check_dark(&format!("unseen door {low} to {high}"), &bsp, 1e-4, |p| p.x > high - 0.6);
     }
 }
 
-/// Interpolation may not be dimmer or brighter at the borders of patches than in their middles: both
-/// differ equally from the light that a hemicube at each luxel finds.
+/// A door in a doorway 64 units wide and 112 high, half a unit above the floor: a little light may get
+/// through below.
+#[test]
+fn hardly_any_light_gets_under_a_door_in_its_frame() {
+    for [low, high] in [[-4.0, 4.0], [3.0, 7.0]] {
+        let bsp = room()
+            .pillar([-8.0, -192.0, 0.0], [8.0, -32.0, 192.0], 0)
+            .pillar([-8.0, 32.0, 0.0], [8.0, 192.0, 192.0], 0)
+            .pillar([-8.0, -32.0, 112.0], [8.0, 32.0, 192.0], 0)
+            .model([low, -32.0, 0.5], [high, 32.0, 112.0], Some(0))
+            .entities(lit_from("-90 30 80", DOOR))
+            .build(Format::Bsp2);
+        check_dark(&format!("framed door {low} to {high}"), &bsp, 0.02, |p| p.x > high - 0.6);
+    }
+}
+
+/// Two pillars and a slit between them, and one as far from the wall.
+#[test]
+fn no_luxel_is_black_where_brushes_nearly_touch() {
+    for gap in [2.0, 1.0, 0.5, 0.125] {
+        let half = gap * 0.5;
+        let bsp = room()
+            .pillar([-65.0, -32.0, 0.0], [-half, 32.0, 96.0], 0)
+            .pillar([half, -32.0, 0.0], [65.0, 32.0, 96.0], 0)
+            .pillar([-32.0, 128.0 - gap, 0.0], [32.0, 192.0 - gap, 128.0], 0)
+            .entities(lit_from("100 -110 120", ""))
+            .build(Format::Bsp2);
+        for (quality, gather) in qualities() {
+            let map = Prepared::new(&bsp, Settings::of_quality(quality), false);
+            let (seen, least) = least_of_those_around(&luxels(&map, gather), |p| {
+                p.x.abs() < 1.5 && p.y.abs() < 32.0 || p.y > 190.0 && p.x.abs() < 32.0
+            });
+            println!("{gap} apart, {quality:?}: {seen} luxels, at least {least} of those around");
+            assert!(seen > 2000 && least > 0.4, "{gap} apart, {quality:?}: {least}");
+        }
+    }
+}
+
+/// How many luxels have at least three neighbours and are not `left_out`, and the least ratio of the light
+/// of one to the mean of its neighbours.
+fn least_of_those_around(all: &[Luxel], left_out: impl Fn(Vec3) -> bool) -> (usize, f32) {
+    let light: HashMap<(usize, [usize; 2]), f32> =
+        all.iter().map(|l| ((l.face, l.at), l.light)).collect();
+    let (mut least, mut seen) = (f32::INFINITY, 0);
+    for luxel in all.iter().filter(|l| !left_out(l.position)) {
+        let [s, t] = luxel.at;
+        let around = [[s.wrapping_sub(1), t], [s + 1, t], [s, t.wrapping_sub(1)], [s, t + 1]];
+        let near: Vec<f32> =
+            around.iter().filter_map(|&at| light.get(&(luxel.face, at)).copied()).collect();
+        if near.len() >= 3 {
+            seen += 1;
+            least = least.min(luxel.light / (near.iter().sum::<f32>() / near.len() as f32));
+        }
+    }
+    (seen, least)
+}
+
+/// Interpolation may not be dimmer or brighter at the borders of patches than in their middles, nor
+/// uneven: it follows the light that a hemicube at each luxel finds.
 #[test]
 fn no_rings_at_the_borders_of_patches() {
-    for patch_size in [2, 4] {
+    for quality in [Quality::Draft, Quality::Normal] {
         let bsp = room().entities(lit_from("60 -40 90", "")).build(Format::Bsp2);
-        let map = Prepared::new(&bsp, Settings { patch_size, ..Settings::default() }, false);
-        let [smooth, exact] = GATHERS.map(|gather| luxels(&map, gather));
+        let map = Prepared::new(&bsp, Settings::of_quality(quality), false);
+        let size = map.settings.patch_size as usize;
+        let [smooth, exact] = [quality.gather(), Gather::Luxel].map(|g| luxels(&map, g));
         // Ratio of the sums at luxels on a border of patches, and at the others.
         let mut sums = [[0.0_f64; 2]; 2];
+        let (mut squares, mut inner_luxels) = (0.0, 0.0);
         for (a, b) in smooth.iter().zip(&exact) {
             let grid = map.scene.surfaces[a.face].luxels.as_ref().unwrap();
             let intervals = [grid.width as usize - 1, grid.height as usize - 1];
-            let on_border = (0..2).any(|k| a.at[k].is_multiple_of(patch_size as usize));
-            let inner = (0..2).all(|k| a.at[k] > 1 && a.at[k] + 1 < intervals[k]);
-            assert!((0..2).all(|k| intervals[k].is_multiple_of(patch_size as usize)));
-            if inner {
+            assert!((0..2).all(|k| intervals[k].is_multiple_of(size)));
+            if (0..2).all(|k| a.at[k] > 1 && a.at[k] + 1 < intervals[k]) {
+                let on_border = (0..2).any(|k| a.at[k].is_multiple_of(size));
                 let sum = &mut sums[usize::from(on_border)];
                 sum[0] += f64::from(a.light);
                 sum[1] += f64::from(b.light);
+                squares += f64::from(a.light / b.light - 1.0).powi(2);
+                inner_luxels += 1.0;
             }
         }
         let [middle, border] = sums.map(|s| s[0] / s[1]);
-        println!("patches of {patch_size}: {middle:.5} in the middle, {border:.5} at borders");
+        let rms = (squares / inner_luxels).sqrt();
+        println!("{quality:?}: {middle:.5} in the middle, {border:.5} at borders, rms {rms:.5}");
         assert!((border / middle - 1.0).abs() < 0.005, "{middle} {border}");
         assert!((middle - 1.0).abs() < 0.01 && (border - 1.0).abs() < 0.01, "{middle} {border}");
+        assert!(rms < 0.01, "{rms}");
     }
 }

@@ -7,7 +7,7 @@ use crate::photometry::Irradiance;
 use crate::radiosity::bounce::PatchLight;
 use crate::radiosity::hemicube::{DeltaFormFactors, HemicubeSize, View};
 use crate::radiosity::transfers::{Gatherer, Transfers};
-use crate::scene::{Sample, Scene, ShadowRays};
+use crate::scene::{Barriers, Sample, Scene};
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
@@ -141,8 +141,8 @@ fn known_patches(sources: Sources<'_>, error: f64) -> Interpolator {
 /// Interpolates what can be.
 fn interpolate(sources: Sources<'_>, known: &Interpolator, faces: &mut [Face<'_>]) {
     faces.par_iter_mut().for_each_init(
-        || ShadowRays::new(&sources.scene.tracer),
-        |shadows, face| {
+        || Barriers::new(sources.scene),
+        |barriers, face| {
             let missing: Vec<usize> = face.missing().collect();
             if missing.is_empty() {
                 return;
@@ -150,7 +150,7 @@ fn interpolate(sources: Sources<'_>, known: &Interpolator, faces: &mut [Face<'_>
             let candidates = known.candidates(face.samples);
             for i in missing {
                 let mut light = Vec::new();
-                if known.at(shadows, &face.sample(i), &candidates, &mut light) {
+                if known.at(barriers, &face.sample(i), &candidates, &mut light) {
                     face.light[i] = Some(light);
                 }
             }

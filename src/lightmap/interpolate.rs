@@ -6,7 +6,7 @@
 //! Salkauskas, 1981) to the points that it can see. The value depends on where the luxel is in the
 //! world and not on its face, so coplanar and smoothly touching faces meet without a seam.
 
-use crate::scene::{Sample, ShadowRays};
+use crate::scene::{Barriers, Sample};
 use glam::{DMat3, DVec3, Vec3};
 use std::collections::HashMap;
 
@@ -92,7 +92,7 @@ impl Interpolator {
     /// not tell it well enough or do not agree.
     pub fn at(
         &self,
-        shadows: &mut ShadowRays<'_>,
+        barriers: &mut Barriers<'_>,
         sample: &Sample,
         candidates: &[u32],
         out: &mut Vec<DVec3>,
@@ -105,7 +105,7 @@ impl Interpolator {
             let point = &self.known[i as usize];
             let offset = point.position - sample.position;
             let weight = weight(point, sample.normal, offset);
-            if weight <= 0.0 || shadows.blocked(sample.position, point.position) {
+            if weight <= 0.0 || barriers.blocked(sample.position, point.position) {
                 continue;
             }
             let along = |axis: Vec3| f64::from(offset.dot(axis) / REACH[1]);

@@ -2,7 +2,7 @@
 //! either side of one must not share its light.
 
 use super::polygon2::clip;
-use crate::scene::{LuxelGrid, Sample, Scene, ShadowRays};
+use crate::scene::{Barriers, LuxelGrid, Sample, Scene};
 use glam::{DVec2, Vec2, Vec3};
 
 /// Share of the way between two luxels at either end that is not looked at: luxels at the rim of a face
@@ -102,12 +102,12 @@ impl<'a> Luxels<'a> {
     /// The line along which an obstacle cuts each luxel interval in two, row by row; none in most. An
     /// obstacle that ends within the interval does not cut it.
     pub fn cuts(&self, scene: &Scene) -> Vec<Option<Line>> {
-        let mut shadows = ShadowRays::new(&scene.tracer);
+        let mut barriers = Barriers::new(scene);
         let (width, height) = (self.grid.width, self.grid.height);
         let mut step = |columns: u32, rows: u32, step: u32| -> Vec<Option<DVec2>> {
             let hidden = |l: u32| {
                 let inside = l % width < columns && l / width < rows;
-                inside.then(|| self.hidden(scene, &mut shadows, l, l + step)).flatten()
+                inside.then(|| self.hidden(&mut barriers, l, l + step)).flatten()
             };
             (0..width * height).map(hidden).collect()
         };
@@ -118,7 +118,7 @@ impl<'a> Luxels<'a> {
                 let [a, b, c, _] = self.around(k).map(|l| l as usize);
                 let sides = [(0, 1, right[a]), (2, 3, right[c]), (0, 2, down[a]), (1, 3, down[b])];
                 let hidden = sides.iter().any(|s| s.2.is_some());
-                hidden.then(|| self.cut(scene, &mut shadows, k, sides)).flatten()
+                hidden.then(|| self.cut(&mut barriers, k, sides)).flatten()
             })
             .collect()
     }
@@ -127,8 +127,7 @@ impl<'a> Luxels<'a> {
     /// are pairs of them, and what is hidden between.
     fn cut(
         &self,
-        scene: &Scene,
-        shadows: &mut ShadowRays<'_>,
+        barriers: &mut Barriers<'_>,
         k: usize,
         sides: [(usize, usize, Option<DVec2>); 4],
     ) -> Option<Line> {
@@ -142,8 +141,8 @@ impl<'a> Luxels<'a> {
             if group[a] == group[b] || !free.contains(&a) || !free.contains(&b) {
                 continue;
             }
-            let between = |shadows| self.hidden(scene, shadows, corners[a], corners[b]);
-            match if i < sides.len() { known } else { between(shadows) } {
+            let between = |barriers| self.hidden(barriers, corners[a], corners[b]);
+            match if i < sides.len() { known } else { between(barriers) } {
                 Some(point) => {
                     points.push(point);
                     way = self.places[corners[b] as usize] - self.places[corners[a] as usize];
@@ -161,21 +160,18 @@ impl<'a> Luxels<'a> {
 
     /// Middle of what is hidden between two luxels, in luxel coordinates; `None` if they see each other or
     /// one is in solid.
-    fn hidden(&self, scene: &Scene, shadows: &mut ShadowRays<'_>, a: u32, b: u32) -> Option<DVec2> {
+    fn hidden(&self, barriers: &mut Barriers<'_>, a: u32, b: u32) -> Option<DVec2> {
         let [from, to] = [a, b].map(|l| &self.samples[l as usize]);
         let way = to.position - from.position;
         if from.occluded || to.occluded || way.length_squared() < RIM {
             return None;
         }
         let (start, end) = (from.position + way * RIM, to.position - way * RIM);
-        if !shadows.blocked(start, end) {
+        if !barriers.blocked(start, end) {
             return None;
         }
-        let until = |from: Vec3, to: Vec3| {
-            scene.tracer.first_hit(from, to - from, 1.0).map_or(0.5, |hit| f64::from(hit.distance))
-        };
-        let middle = 0.5 * (until(start, end) + 1.0 - until(end, start));
-        Some(self.places[a as usize].lerp(self.places[b as usize], middle))
+        let middle = 0.5 * (barriers.free(start, end) + 1.0 - barriers.free(end, start));
+        Some(self.places[a as usize].lerp(self.places[b as usize], middle.into()))
     }
 }
 
