@@ -13,6 +13,8 @@ use rayon::prelude::*;
 
 /// Width of a luxel in world units, unless the map asks for another.
 const LUXEL: f32 = 16.0;
+/// Distance of those luxels from which others are interpolated.
+const EVERY_OTHER: f32 = 2.0 * LUXEL;
 
 /// How indirect light gets from patches to luxels.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -132,7 +134,8 @@ impl Face<'_> {
 fn known_patches(sources: Sources<'_>, error: f64) -> Interpolator {
     let mut known = Interpolator::new(sources.light.len(), error);
     for (i, patch) in sources.patches.set.patches.iter().enumerate() {
-        let point = Known::new(patch.eye, patch.normal, sources.transfers.openness(i));
+        let openness = sources.transfers.openness(i);
+        let point = Known::new(patch.eye, patch.normal, openness, patch.area.sqrt());
         known.add(point, sources.light.iter().map(|l| l.irradiance[i].0.as_dvec3()));
     }
     known
@@ -197,7 +200,8 @@ impl Drawn<'_> {
                             self.add_detail(gatherer.intervals(), &mut light);
                             face.light[i] = Some(light.clone());
                             let openness = gatherer.openness();
-                            (Known::new(sample.position, sample.normal, openness), light)
+                            let (at, normal) = (sample.position, sample.normal);
+                            (Known::new(at, normal, openness, EVERY_OTHER), light)
                         })
                         .collect()
                 },

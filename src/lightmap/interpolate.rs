@@ -12,7 +12,7 @@ use std::collections::HashMap;
 
 /// Reach of a point relative to the harmonic mean distance of what it sees.
 const TRUST: f32 = 0.5;
-/// Limits of the reach in world units: luxels are 16 apart, patches 64.
+/// Limits of the reach in world units, if points are not farther apart.
 const REACH: [f32; 2] = [16.0, 128.0];
 /// How much a difference of normals counts: this times sqrt(1 - cosine) is added to the distance,
 /// relative to the reach.
@@ -31,9 +31,12 @@ pub(super) struct Known {
 }
 
 impl Known {
-    /// `openness` is the harmonic mean distance to what is seen from the point.
-    pub fn new(position: Vec3, normal: Vec3, openness: f32) -> Self {
-        Self { position, normal, reach: (TRUST * openness).clamp(REACH[0], REACH[1]) }
+    /// `openness` is the harmonic mean distance to what is seen from the point, `apart` the distance of
+    /// such points. They reach each other: where none did, those farther off would be taken for all there
+    /// is, and light that gathers in a corner would be missed between the points.
+    pub fn new(position: Vec3, normal: Vec3, openness: f32, apart: f32) -> Self {
+        let low = apart.clamp(REACH[0], REACH[1]);
+        Self { position, normal, reach: (TRUST * openness).clamp(low, REACH[1]) }
     }
 }
 
