@@ -4,13 +4,12 @@ mod support;
 
 use glam::Vec3;
 use qrad::bsp::Format;
-use qrad::lightmap::Gather;
-use qrad::settings::Settings;
+use qrad::settings::{Quality, Settings};
 use support::lit_map::Prepared;
 use support::map_builder::MapBuilder;
 
 /// A room with a pillar of two brushes and a light off the middle, its sides cut into faces of at most `cell` units.
-fn room(cell: f32) -> Prepared {
+fn room(cell: f32, quality: Quality) -> Prepared {
     let light = "{\n\"classname\" \"light\"\n\"origin\" \"90 -70 60\"\n\"light\" \"400\"\n}\n";
     let bsp = MapBuilder::room([-192.0, -192.0, 0.0], [192.0, 192.0, 160.0])
         .solid_texture("grey", 12)
@@ -21,13 +20,13 @@ fn room(cell: f32) -> Prepared {
         .subdivide(cell)
         .entities(format!("{{\n\"classname\" \"worldspawn\"\n}}\n{light}"))
         .build(Format::Bsp2);
-    Prepared::new(&bsp, Settings::default(), false)
+    Prepared::new(&bsp, Settings::of_quality(quality), false)
 }
 
 /// Pairs of luxels of different coplanar faces in the same place: how many there are, how many
 /// differ by more than 1 % and by more than one level, and the largest difference in levels.
-fn seams(map: &Prepared, gather: Gather) -> (usize, usize, f32) {
-    let lit = map.light(gather);
+fn seams(map: &Prepared) -> (usize, usize, f32) {
+    let lit = map.light(map.settings.gather);
     let range = map.scene.world.range;
     let mut luxels: Vec<(Vec3, Vec3, usize, Vec3)> = Vec::new();
     for (face, samples) in map.samples.iter().enumerate() {
@@ -58,12 +57,11 @@ fn seams(map: &Prepared, gather: Gather) -> (usize, usize, f32) {
 #[test]
 fn coplanar_faces_agree_where_they_meet() {
     for cell in [96.0, 80.0] {
-        let map = room(cell);
-        for gather in [Gather::Interpolate, Gather::Luxel] {
-            let (pairs, differ, worst) = seams(&map, gather);
-            println!("faces of {cell}, {gather:?}: {pairs} pairs, worst {worst:.3} levels apart");
+        for quality in [Quality::Draft, Quality::Normal, Quality::Final] {
+            let (pairs, differ, worst) = seams(&room(cell, quality));
+            println!("faces of {cell}, {quality:?}: {pairs} pairs, worst {worst:.3} levels apart");
             assert!(pairs > 300, "{pairs}");
-            assert_eq!(differ, 0, "faces of {cell}, {gather:?}");
+            assert_eq!(differ, 0, "faces of {cell}, {quality:?}");
         }
     }
 }

@@ -7,12 +7,14 @@ use crate::photometry::Irradiance;
 use crate::radiosity::bounce::PatchLight;
 use crate::radiosity::hemicube::{DeltaFormFactors, HemicubeSize, View};
 use crate::radiosity::transfers::{Gatherer, Transfers};
-use crate::scene::{Sample, Scene, ShadowRays};
+use crate::scene::{Barriers, Sample, Scene};
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
 /// Width of a luxel in world units, unless the map asks for another.
 const LUXEL: f32 = 16.0;
+/// Distance of those luxels from which others are interpolated.
+const EVERY_OTHER: f32 = 2.0 * LUXEL;
 
 /// How indirect light gets from patches to luxels.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -132,7 +134,8 @@ impl Face<'_> {
 fn known_patches(sources: Sources<'_>, error: f64) -> Interpolator {
     let mut known = Interpolator::new(sources.light.len(), error);
     for (i, patch) in sources.patches.set.patches.iter().enumerate() {
-        let point = Known::new(patch.eye, patch.normal, sources.transfers.openness(i));
+        let openness = sources.transfers.openness(i);
+        let point = Known::new(patch.eye, patch.normal, openness, patch.area.sqrt());
         known.add(point, sources.light.iter().map(|l| l.irradiance[i].0.as_dvec3()));
     }
     known
@@ -141,8 +144,8 @@ fn known_patches(sources: Sources<'_>, error: f64) -> Interpolator {
 /// Interpolates what can be.
 fn interpolate(sources: Sources<'_>, known: &Interpolator, faces: &mut [Face<'_>]) {
     faces.par_iter_mut().for_each_init(
-        || ShadowRays::new(&sources.scene.tracer),
-        |shadows, face| {
+        || Barriers::new(sources.scene),
+        |barriers, face| {
             let missing: Vec<usize> = face.missing().collect();
             if missing.is_empty() {
                 return;
@@ -150,7 +153,7 @@ fn interpolate(sources: Sources<'_>, known: &Interpolator, faces: &mut [Face<'_>
             let candidates = known.candidates(face.samples);
             for i in missing {
                 let mut light = Vec::new();
-                if known.at(shadows, &face.sample(i), &candidates, &mut light) {
+                if known.at(barriers, &face.sample(i), &candidates, &mut light) {
                     face.light[i] = Some(light);
                 }
             }
@@ -197,7 +200,8 @@ impl Drawn<'_> {
                             self.add_detail(gatherer.intervals(), &mut light);
                             face.light[i] = Some(light.clone());
                             let openness = gatherer.openness();
-                            (Known::new(sample.position, sample.normal, openness), light)
+                            let (at, normal) = (sample.position, sample.normal);
+                            (Known::new(at, normal, openness, EVERY_OTHER), light)
                         })
                         .collect()
                 },

@@ -6,13 +6,13 @@
 //! Salkauskas, 1981) to the points that it can see. The value depends on where the luxel is in the
 //! world and not on its face, so coplanar and smoothly touching faces meet without a seam.
 
-use crate::scene::{Sample, ShadowRays};
+use crate::scene::{Barriers, Sample};
 use glam::{DMat3, DVec3, Vec3};
 use std::collections::HashMap;
 
 /// Reach of a point relative to the harmonic mean distance of what it sees.
 const TRUST: f32 = 0.5;
-/// Limits of the reach in world units: luxels are 16 apart, patches 64.
+/// Limits of the reach in world units, if points are not farther apart.
 const REACH: [f32; 2] = [16.0, 128.0];
 /// How much a difference of normals counts: this times sqrt(1 - cosine) is added to the distance,
 /// relative to the reach.
@@ -31,9 +31,12 @@ pub(super) struct Known {
 }
 
 impl Known {
-    /// `openness` is the harmonic mean distance to what is seen from the point.
-    pub fn new(position: Vec3, normal: Vec3, openness: f32) -> Self {
-        Self { position, normal, reach: (TRUST * openness).clamp(REACH[0], REACH[1]) }
+    /// `openness` is the harmonic mean distance to what is seen from the point, `apart` the distance of
+    /// such points. They reach each other: where none did, those farther off would be taken for all there
+    /// is, and light that gathers in a corner would be missed between the points.
+    pub fn new(position: Vec3, normal: Vec3, openness: f32, apart: f32) -> Self {
+        let low = apart.clamp(REACH[0], REACH[1]);
+        Self { position, normal, reach: (TRUST * openness).clamp(low, REACH[1]) }
     }
 }
 
@@ -92,7 +95,7 @@ impl Interpolator {
     /// not tell it well enough or do not agree.
     pub fn at(
         &self,
-        shadows: &mut ShadowRays<'_>,
+        barriers: &mut Barriers<'_>,
         sample: &Sample,
         candidates: &[u32],
         out: &mut Vec<DVec3>,
@@ -105,7 +108,7 @@ impl Interpolator {
             let point = &self.known[i as usize];
             let offset = point.position - sample.position;
             let weight = weight(point, sample.normal, offset);
-            if weight <= 0.0 || shadows.blocked(sample.position, point.position) {
+            if weight <= 0.0 || barriers.blocked(sample.position, point.position) {
                 continue;
             }
             let along = |axis: Vec3| f64::from(offset.dot(axis) / REACH[1]);

@@ -91,6 +91,7 @@ impl MapPatches {
                 let count = grid.block_column.len() * grid.block_row.len();
                 let difference = |k: usize| {
                     let (s, t) = (k % grid.block_column.len(), k / grid.block_column.len());
+                    // Intervals that are cut have no mean.
                     let patch = grid.at(s as f32, t as f32).0 as usize;
                     let light = self.intervals.mean(surface, k, luxels)?;
                     Some((light - mean[patch]).0 * self.set.patches[patch].reflectance.0)

@@ -31,29 +31,68 @@ pub struct PatchGrid {
     pub block_column: Vec<u16>,
     /// Block row of each luxel interval.
     pub block_row: Vec<u16>,
-    /// Patch of each block, row by row. Blocks outside the polygon name their nearest neighbour.
+    /// Patch of each block, row by row. Blocks outside the polygon name their nearest neighbour; those in
+    /// which an obstacle stands are [`DIVIDED`](Self::DIVIDED).
     pub blocks: Vec<PatchId>,
     /// Blocks in a row.
     pub columns: usize,
+    /// The intervals of divided blocks, ascending.
+    pub(super) pieces: Vec<Piece>,
     /// Number of the first luxel interval of the face among those of the map: see
     /// [`Detail`](super::Detail).
     pub first_interval: u32,
 }
 
+/// A luxel interval of a block that has several patches.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Piece {
+    /// Number of the interval in the face.
+    pub interval: u32,
+    /// The line that cuts it: coefficients of column, row and 1. All 0 for none.
+    pub line: Vec3,
+    /// Patches where they sum to 0 or less, and to more.
+    pub patches: [PatchId; 2],
+}
+
 impl PatchGrid {
+    /// Stands for the patch of blocks that have several.
+    pub const DIVIDED: PatchId = PatchId(u32::MAX);
+
     /// The patch at luxel coordinates; points outside (by rounding) belong to the nearest block.
     pub fn at(&self, s: f32, t: f32) -> PatchId {
+        let [column, row] = self.column_and_row(s, t);
+        let cell = usize::from(self.block_row[row]) * self.columns;
+        let patch = self.blocks[cell + usize::from(self.block_column[column])];
+        if patch != Self::DIVIDED {
+            return patch;
+        }
+        let piece = self.piece(row * self.block_column.len() + column);
+        let piece = piece.expect("divided blocks list their intervals");
+        piece.patches[usize::from(piece.line.dot(Vec3::new(s, t, 1.0)) > 0.0)]
+    }
+
+    /// The luxel interval at luxel coordinates.
+    fn column_and_row(&self, s: f32, t: f32) -> [usize; 2] {
         // `as` saturates: below 0 and NaN become the first interval.
-        let column = self.block_column[(s as usize).min(self.block_column.len() - 1)];
-        let row = self.block_row[(t as usize).min(self.block_row.len() - 1)];
-        self.blocks[row as usize * self.columns + column as usize]
+        [(s as usize).min(self.block_column.len() - 1), (t as usize).min(self.block_row.len() - 1)]
     }
 
     /// Number of the luxel interval at luxel coordinates, points outside as for [`at`](Self::at).
     pub fn interval(&self, s: f32, t: f32) -> u32 {
-        let column = (s as usize).min(self.block_column.len() - 1);
-        let row = (t as usize).min(self.block_row.len() - 1);
+        let [column, row] = self.column_and_row(s, t);
         self.first_interval + (row * self.block_column.len() + column) as u32
+    }
+
+    /// Block of interval number `k` of the face.
+    pub(super) fn cell(&self, k: usize) -> usize {
+        let (column, row) = (k % self.block_column.len(), k / self.block_column.len());
+        usize::from(self.block_row[row]) * self.columns + usize::from(self.block_column[column])
+    }
+
+    /// Interval number `k` of the face, if its block is divided.
+    pub(super) fn piece(&self, k: usize) -> Option<&Piece> {
+        let found = self.pieces.binary_search_by_key(&(k as u32), |p| p.interval);
+        found.ok().map(|i| &self.pieces[i])
     }
 
     /// The patch at a world point.

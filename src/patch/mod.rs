@@ -1,5 +1,7 @@
 //! Patches: the pieces of surface between which light is exchanged, from maps and from text scenes.
 
+mod blocks;
+mod cuts;
 mod detail;
 mod lookup;
 mod polygon2;

@@ -2,10 +2,8 @@
 
 use glam::DVec2;
 
-/// Keeps the part of the convex polygon `points` with `sign * coordinate[axis] <= sign * value`;
-/// `sign` is 1 or -1.
-pub(super) fn clip(points: &[DVec2], axis: usize, value: f64, sign: f64) -> Vec<DVec2> {
-    let distance = |p: DVec2| sign * (value - p[axis]);
+/// Keeps the part of the convex polygon `points` where `distance`, which is linear, is at least 0.
+pub(super) fn clip(points: &[DVec2], distance: impl Fn(DVec2) -> f64) -> Vec<DVec2> {
     let mut kept = Vec::with_capacity(points.len() + 1);
     for (i, &to) in points.iter().enumerate() {
         let from = points[(i + points.len() - 1) % points.len()];
@@ -22,7 +20,7 @@ pub(super) fn clip(points: &[DVec2], axis: usize, value: f64, sign: f64) -> Vec<
 
 /// The part of a convex polygon with `low <= coordinate[axis] <= high`.
 pub(super) fn strip(points: &[DVec2], axis: usize, low: f64, high: f64) -> Vec<DVec2> {
-    clip(&clip(points, axis, high, 1.0), axis, low, -1.0)
+    clip(&clip(points, |p| high - p[axis]), |p| p[axis] - low)
 }
 
 /// Area (at least 0, in square luxels) and area times centroid.

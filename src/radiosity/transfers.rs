@@ -61,6 +61,8 @@ impl Transfers {
                         rows.push(gatherer.row(), gatherer.openness());
                     }
                     advance(done);
+                    rows.columns.shrink_to_fit();
+                    rows.weights.shrink_to_fit();
                     rows
                 },
             )

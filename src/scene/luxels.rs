@@ -30,7 +30,7 @@ pub fn place(scene: &Scene, surface: usize, extra: u32) -> Vec<Sample> {
         neighbours: &scene.neighbours,
         smoothing: (face.curved && scene.world.phong).then_some(&scene.smoothing),
         luxels: map,
-        in_solid: |model, p: Vec3| sample_in_solid(scene, model as usize, p),
+        in_solid: |model, p: Vec3| in_solid(scene, model as usize, p),
     };
     let extra = extra.max(1);
     let first = -0.5 + 0.5 / extra as f32;
@@ -51,7 +51,7 @@ pub fn place(scene: &Scene, surface: usize, extra: u32) -> Vec<Sample> {
 }
 
 /// Whether a point in the space of a brush model lies in anything solid.
-fn sample_in_solid(scene: &Scene, model: usize, p: Vec3) -> bool {
+pub(crate) fn in_solid(scene: &Scene, model: usize, p: Vec3) -> bool {
     let own = &scene.models[model];
     let p = p + own.offset;
     // The own model is tested without its offset: the contract's Q9.

@@ -1,5 +1,6 @@
 //! What light needs of a map: surfaces with materials, the ray tracer, the lights and the luxels.
 
+mod barriers;
 mod bounce_keys;
 mod build;
 mod corner_frames;
@@ -48,6 +49,7 @@ mod wide_tree;
 mod winding;
 mod world;
 
+pub use barriers::Barriers;
 pub(crate) use bounce_keys::ALL_BOUNCES;
 pub use bounce_keys::BounceSettings;
 pub use build::SceneSettings;

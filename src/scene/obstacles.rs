@@ -26,6 +26,15 @@ pub(super) struct Obstacles {
     tracer: Tracer,
     /// Surface of each polygon, or [`NO_SURFACE`].
     surface: Vec<u32>,
+    /// The hulls of models of `skip`.
+    hulls: Tracer,
+}
+
+impl Obstacles {
+    /// The hulls of models without faces that cast shadow.
+    pub fn hulls(&self) -> &Tracer {
+        &self.hulls
+    }
 }
 
 /// What obstacles are found in.
@@ -55,6 +64,7 @@ impl Casters<'_> {
             polygons.extend(slats(fence, covered));
             surface.resize(polygons.len(), index as u32);
         }
+        let slats = polygons.len();
         for (model, record) in self.models.iter().zip(&self.bsp.models).skip(1) {
             if record.face_count != 0 || !is_plain(model) {
                 continue;
@@ -63,14 +73,15 @@ impl Casters<'_> {
                 polygon.vertices.iter_mut().for_each(|v| *v += model.offset);
                 polygons.push(polygon);
             }
-            surface.resize(polygons.len(), NO_SURFACE);
         }
+        surface.resize(polygons.len(), NO_SURFACE);
         if polygons.is_empty() {
             return None;
         }
+        let hulls = Tracer::new(polygons[slats..].to_vec());
         let polygons = tracer.polygons().iter().cloned().chain(polygons).collect();
         let surface = of.iter().copied().chain(surface).collect();
-        Some(Obstacles { tracer: Tracer::new(polygons), surface })
+        Some(Obstacles { tracer: Tracer::new(polygons), surface, hulls })
     }
 }
 
