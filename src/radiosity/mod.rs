@@ -6,6 +6,7 @@ pub mod contour;
 pub mod form_factor;
 pub mod hemicube;
 pub mod near_pairs;
+pub mod open_parts;
 pub mod pair_factor;
 pub mod per_ray;
 pub mod solve;

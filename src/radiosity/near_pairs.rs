@@ -10,6 +10,7 @@ use super::visibility::Occluders;
 use crate::patch::{PatchId, PatchSet};
 use crate::photometry::Exitance;
 use glam::DVec2;
+use rayon::prelude::*;
 use std::f64::consts::PI;
 
 /// How far rows are improved.
@@ -133,6 +134,11 @@ impl<'a> NearPairs<'a> {
             (p.eye.as_dvec3() - s.centre).dot(s.normal).abs()
         };
         let lift = patches.patches.iter().zip(&shapes).map(above).fold(0.0, f64::max);
+        let shapes = if occluders.is_empty() {
+            shapes
+        } else {
+            shapes.into_par_iter().map(|shape| shape.uncovered(&occluders, lift)).collect()
+        };
         Self { shapes, occluders, lift, importance, limits, cell: TYPICAL_CELL / cells as f64 }
     }
 
@@ -154,6 +160,11 @@ impl<'a> NearPairs<'a> {
         if self.importance.reflectance[i] == 0.0 {
             return;
         }
+        let open = self.shapes[i].open_share();
+        if open == 0.0 {
+            row.clear();
+            return;
+        }
         self.list(i, row, &mut work.pairs);
         let points = self.points_at_least(i);
         self.choose(i, points > 1, work);
@@ -172,7 +183,7 @@ impl<'a> NearPairs<'a> {
             });
         }
         if changed {
-            balance(&mut work.pairs, void);
+            balance(&mut work.pairs, void, open);
             let kept = work.pairs.iter().filter(|p| p.factor > 0.0);
             row.clear();
             row.extend(kept.map(|p| (PatchId(p.patch), p.factor)));
@@ -223,6 +234,9 @@ impl<'a> NearPairs<'a> {
             return 1;
         }
         let a = &self.shapes[i];
+        if a.partly_covered() {
+            return self.limits.crowded;
+        }
         let (mut solid_angle, mut shift) = (0.0, 0.0f64);
         for o in self.occluders.shapes() {
             let way = o.centre - a.centre;
@@ -290,7 +304,7 @@ impl<'a> NearPairs<'a> {
         gatherer: &mut Gatherer<'_>,
     ) -> f64 {
         let shape = &self.shapes[i];
-        let on = Spread::new(shape.outline);
+        let on = Spread::new(shape.parts());
         let shift = (i as f64 * 0.754_877_666_246_692_8).fract();
         let (pairs, place) = (&mut work.pairs, &mut work.place);
         for (k, pair) in pairs.iter_mut().enumerate() {
@@ -332,13 +346,14 @@ impl<'a> NearPairs<'a> {
             }
             goal = (2 * points).min(self.limits.points);
         }
-        let share = 1.0 / f64::from(points);
+        let open = shape.open_share();
+        let share = open / f64::from(points);
         for pair in pairs.iter_mut() {
             pair.factor *= share;
             place[pair.patch as usize] = NOWHERE;
         }
         pairs.sort_unstable_by_key(|p| p.patch);
-        (1.0 - seen * share).max(0.0)
+        (open - seen * share).max(0.0)
     }
 
     /// The closed form of a pair and its uncertainty, as precise as its light asks for.
@@ -356,14 +371,15 @@ impl<'a> NearPairs<'a> {
     }
 }
 
-/// Makes the view whole again: the form factors and the void sum to 1, so what the closed forms
+/// Makes the view whole again: the form factors and the void sum to `open`, the share of the patch
+/// that nothing covers, so what the closed forms
 /// changed is taken from those that are uncertain, most from the most uncertain (least squares).
 /// The void counts as half unknown. Where nothing is uncertain, nothing changes.
-fn balance(pairs: &mut [Pair], mut void: f64) {
+fn balance(pairs: &mut [Pair], mut void: f64, open: f64) {
     let void_square = 0.25 * void * void;
     // Again where a form factor would have become negative.
     for _ in 0..8 {
-        let excess = pairs.iter().map(|p| p.factor).sum::<f64>() + void - 1.0;
+        let excess = pairs.iter().map(|p| p.factor).sum::<f64>() + void - open;
         let uncertain = pairs.iter().filter(|p| p.factor > 0.0);
         let squares = uncertain.map(|p| p.sigma * p.sigma).sum::<f64>() + void_square;
         if squares <= 0.0 || excess.abs() < 1e-12 {
