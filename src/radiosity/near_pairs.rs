@@ -4,11 +4,12 @@
 
 use super::area_points::{Spread, spread};
 use super::hemicube::View;
+use super::importance::Importance;
 use super::pair_factor::{Facing, Precision, Shape};
 use super::transfers::Gatherer;
+use super::view_pairs::{Pair, balance};
 use super::visibility::Occluders;
 use crate::patch::{PatchId, PatchSet};
-use crate::photometry::Exitance;
 use glam::DVec2;
 use rayon::prelude::*;
 use std::f64::consts::PI;
@@ -24,37 +25,6 @@ pub struct NearLimits {
     pub points: u32,
     /// Hemicubes on a patch that something touches.
     pub crowded: u32,
-}
-
-/// What the light of a scene is about: which rows and columns matter.
-pub struct Importance {
-    /// Exitance of each patch over the mean that patches reflect, at least 1.
-    exitance: Vec<f64>,
-    /// Largest reflectance of each patch over the channels.
-    reflectance: Vec<f64>,
-}
-
-impl Importance {
-    /// From a first solution `exitance`, of which `emission` is not reflected light.
-    pub fn new(patches: &PatchSet, emission: &[Exitance], exitance: &[Exitance]) -> Self {
-        let (mut light, mut areas) = (0.0, 0.0);
-        for ((m, e), p) in exitance.iter().zip(emission).zip(&patches.patches) {
-            light += f64::from(p.area) * f64::from((m.0 - e.0).max_element());
-            areas += f64::from(p.area);
-        }
-        let relative = |m: &Exitance| {
-            let share = f64::from(m.0.max_element()) * areas / light;
-            if share.is_finite() { share.max(1.0) } else { 1.0 }
-        };
-        Self {
-            exitance: exitance.iter().map(relative).collect(),
-            reflectance: patches
-                .patches
-                .iter()
-                .map(|p| f64::from(p.reflectance.0.max_element()))
-                .collect(),
-        }
-    }
 }
 
 /// The patches of a scene as polygons, and what may hide them from each other.
@@ -77,31 +47,6 @@ const SHIFT: f64 = 1.0;
 const FEW: u32 = 4;
 /// Relative uncertainty of what several hemicubes see.
 const SPREAD_SIGMA: f64 = 0.05;
-
-/// A patch as seen from the row's patch.
-#[derive(Clone, Copy)]
-struct Pair {
-    patch: u32,
-    /// Form factor.
-    factor: f64,
-    /// Roughly what it is with nothing between.
-    guess: f64,
-    /// Error of the hemicube because the view changes over the patch.
-    curve: f64,
-    /// Error of the hemicube because its cells have a size.
-    alias: f64,
-    /// Whether the form factor is to be that of the closed form.
-    closed: bool,
-    /// Uncertainty of `factor`.
-    sigma: f64,
-}
-
-impl Pair {
-    fn seen(patch: u32, factor: f64) -> Self {
-        let none = 0.0;
-        Self { patch, factor, guess: none, curve: none, alias: none, closed: false, sigma: none }
-    }
-}
 
 /// Buffers that are reused from row to row.
 pub struct Work {
@@ -368,27 +313,5 @@ impl<'a> NearPairs<'a> {
             seed: (i * 31 + j) as u64,
         };
         facing.factor((&self.shapes[i], &self.shapes[j]), &self.occluders, self.lift, precision)
-    }
-}
-
-/// Makes the view whole again: the form factors and the void sum to `open`, the share of the patch
-/// that nothing covers, so what the closed forms
-/// changed is taken from those that are uncertain, most from the most uncertain (least squares).
-/// The void counts as half unknown. Where nothing is uncertain, nothing changes.
-fn balance(pairs: &mut [Pair], mut void: f64, open: f64) {
-    let void_square = 0.25 * void * void;
-    // Again where a form factor would have become negative.
-    for _ in 0..8 {
-        let excess = pairs.iter().map(|p| p.factor).sum::<f64>() + void - open;
-        let uncertain = pairs.iter().filter(|p| p.factor > 0.0);
-        let squares = uncertain.map(|p| p.sigma * p.sigma).sum::<f64>() + void_square;
-        if squares <= 0.0 || excess.abs() < 1e-12 {
-            return;
-        }
-        let step = excess / squares;
-        for p in pairs.iter_mut().filter(|p| p.factor > 0.0) {
-            p.factor = (p.factor - step * p.sigma * p.sigma).max(0.0);
-        }
-        void = (void - step * void_square).max(0.0);
     }
 }
