@@ -40,25 +40,27 @@ pub fn gauss(polygon: &[DVec3], order: usize, mut visit: impl FnMut(DVec3, f64))
     }
 }
 
-/// Maps points of the unit square evenly to a convex polygon.
-pub struct Spread<'a> {
-    polygon: &'a [DVec3],
-    /// Area of the fan's triangles up to and with each.
+/// Maps points of the unit square evenly to convex polygons.
+pub struct Spread {
+    triangles: Vec<[DVec3; 3]>,
+    /// Area of the triangles up to and with each.
     sums: Vec<f64>,
 }
 
-impl<'a> Spread<'a> {
-    /// The polygon has at least three corners.
-    pub fn new(polygon: &'a [DVec3]) -> Self {
+impl Spread {
+    /// There is at least one polygon, and each has at least three corners.
+    pub fn new<'a>(polygons: impl IntoIterator<Item = &'a [DVec3]>) -> Self {
+        let fan = |p: &'a [DVec3]| p[1..].windows(2).map(|edge| [p[0], edge[0], edge[1]]);
+        let triangles: Vec<[DVec3; 3]> = polygons.into_iter().flat_map(fan).collect();
         let mut sum = 0.0;
-        let sums = polygon[1..]
-            .windows(2)
-            .map(|p| {
-                sum += 0.5 * (p[0] - polygon[0]).cross(p[1] - polygon[0]).length();
+        let sums = triangles
+            .iter()
+            .map(|[a, b, c]| {
+                sum += 0.5 * (b - a).cross(c - a).length();
                 sum
             })
             .collect();
-        Self { polygon, sums }
+        Self { triangles, sums }
     }
 
     /// The point for `at` in the unit square.
@@ -68,7 +70,7 @@ impl<'a> Spread<'a> {
         let k = self.sums.iter().position(|&s| target < s).unwrap_or(last);
         let below = if k == 0 { 0.0 } else { self.sums[k - 1] };
         let share = ((target - below) / (self.sums[k] - below)).clamp(0.0, 1.0);
-        let (a, b, c) = (self.polygon[0], self.polygon[k + 1], self.polygon[k + 2]);
+        let [a, b, c] = self.triangles[k];
         if share.is_nan() {
             return a;
         }
@@ -124,7 +126,7 @@ mod tests {
     #[test]
     fn points_are_spread_evenly() {
         let p = pentagon();
-        let on = Spread::new(&p);
+        let on = Spread::new([&p[..]]);
         let n = 4000;
         let mut mean = DVec3::ZERO;
         for k in 0..n {
@@ -144,6 +146,6 @@ mod tests {
     #[test]
     fn polygons_without_area_give_points_too() {
         let line = [DVec3::ZERO, DVec3::X, DVec3::X * 2.0];
-        assert!(Spread::new(&line).point(DVec2::new(0.7, 0.2)).is_finite());
+        assert!(Spread::new([&line[..]]).point(DVec2::new(0.7, 0.2)).is_finite());
     }
 }

@@ -4,12 +4,14 @@
 
 use super::area_points::{Spread, spread};
 use super::hemicube::View;
+use super::importance::Importance;
 use super::pair_factor::{Facing, Precision, Shape};
 use super::transfers::Gatherer;
+use super::view_pairs::{Pair, balance};
 use super::visibility::Occluders;
 use crate::patch::{PatchId, PatchSet};
-use crate::photometry::Exitance;
 use glam::DVec2;
+use rayon::prelude::*;
 use std::f64::consts::PI;
 
 /// How far rows are improved.
@@ -23,37 +25,6 @@ pub struct NearLimits {
     pub points: u32,
     /// Hemicubes on a patch that something touches.
     pub crowded: u32,
-}
-
-/// What the light of a scene is about: which rows and columns matter.
-pub struct Importance {
-    /// Exitance of each patch over the mean that patches reflect, at least 1.
-    exitance: Vec<f64>,
-    /// Largest reflectance of each patch over the channels.
-    reflectance: Vec<f64>,
-}
-
-impl Importance {
-    /// From a first solution `exitance`, of which `emission` is not reflected light.
-    pub fn new(patches: &PatchSet, emission: &[Exitance], exitance: &[Exitance]) -> Self {
-        let (mut light, mut areas) = (0.0, 0.0);
-        for ((m, e), p) in exitance.iter().zip(emission).zip(&patches.patches) {
-            light += f64::from(p.area) * f64::from((m.0 - e.0).max_element());
-            areas += f64::from(p.area);
-        }
-        let relative = |m: &Exitance| {
-            let share = f64::from(m.0.max_element()) * areas / light;
-            if share.is_finite() { share.max(1.0) } else { 1.0 }
-        };
-        Self {
-            exitance: exitance.iter().map(relative).collect(),
-            reflectance: patches
-                .patches
-                .iter()
-                .map(|p| f64::from(p.reflectance.0.max_element()))
-                .collect(),
-        }
-    }
 }
 
 /// The patches of a scene as polygons, and what may hide them from each other.
@@ -76,31 +47,6 @@ const SHIFT: f64 = 1.0;
 const FEW: u32 = 4;
 /// Relative uncertainty of what several hemicubes see.
 const SPREAD_SIGMA: f64 = 0.05;
-
-/// A patch as seen from the row's patch.
-#[derive(Clone, Copy)]
-struct Pair {
-    patch: u32,
-    /// Form factor.
-    factor: f64,
-    /// Roughly what it is with nothing between.
-    guess: f64,
-    /// Error of the hemicube because the view changes over the patch.
-    curve: f64,
-    /// Error of the hemicube because its cells have a size.
-    alias: f64,
-    /// Whether the form factor is to be that of the closed form.
-    closed: bool,
-    /// Uncertainty of `factor`.
-    sigma: f64,
-}
-
-impl Pair {
-    fn seen(patch: u32, factor: f64) -> Self {
-        let none = 0.0;
-        Self { patch, factor, guess: none, curve: none, alias: none, closed: false, sigma: none }
-    }
-}
 
 /// Buffers that are reused from row to row.
 pub struct Work {
@@ -133,6 +79,11 @@ impl<'a> NearPairs<'a> {
             (p.eye.as_dvec3() - s.centre).dot(s.normal).abs()
         };
         let lift = patches.patches.iter().zip(&shapes).map(above).fold(0.0, f64::max);
+        let shapes = if occluders.is_empty() {
+            shapes
+        } else {
+            shapes.into_par_iter().map(|shape| shape.uncovered(&occluders, lift)).collect()
+        };
         Self { shapes, occluders, lift, importance, limits, cell: TYPICAL_CELL / cells as f64 }
     }
 
@@ -154,6 +105,11 @@ impl<'a> NearPairs<'a> {
         if self.importance.reflectance[i] == 0.0 {
             return;
         }
+        let open = self.shapes[i].open_share();
+        if open == 0.0 {
+            row.clear();
+            return;
+        }
         self.list(i, row, &mut work.pairs);
         let points = self.points_at_least(i);
         self.choose(i, points > 1, work);
@@ -172,7 +128,7 @@ impl<'a> NearPairs<'a> {
             });
         }
         if changed {
-            balance(&mut work.pairs, void);
+            balance(&mut work.pairs, void, open);
             let kept = work.pairs.iter().filter(|p| p.factor > 0.0);
             row.clear();
             row.extend(kept.map(|p| (PatchId(p.patch), p.factor)));
@@ -223,6 +179,9 @@ impl<'a> NearPairs<'a> {
             return 1;
         }
         let a = &self.shapes[i];
+        if a.partly_covered() {
+            return self.limits.crowded;
+        }
         let (mut solid_angle, mut shift) = (0.0, 0.0f64);
         for o in self.occluders.shapes() {
             let way = o.centre - a.centre;
@@ -290,7 +249,7 @@ impl<'a> NearPairs<'a> {
         gatherer: &mut Gatherer<'_>,
     ) -> f64 {
         let shape = &self.shapes[i];
-        let on = Spread::new(shape.outline);
+        let on = Spread::new(shape.parts());
         let shift = (i as f64 * 0.754_877_666_246_692_8).fract();
         let (pairs, place) = (&mut work.pairs, &mut work.place);
         for (k, pair) in pairs.iter_mut().enumerate() {
@@ -332,13 +291,14 @@ impl<'a> NearPairs<'a> {
             }
             goal = (2 * points).min(self.limits.points);
         }
-        let share = 1.0 / f64::from(points);
+        let open = shape.open_share();
+        let share = open / f64::from(points);
         for pair in pairs.iter_mut() {
             pair.factor *= share;
             place[pair.patch as usize] = NOWHERE;
         }
         pairs.sort_unstable_by_key(|p| p.patch);
-        (1.0 - seen * share).max(0.0)
+        (open - seen * share).max(0.0)
     }
 
     /// The closed form of a pair and its uncertainty, as precise as its light asks for.
@@ -353,26 +313,5 @@ impl<'a> NearPairs<'a> {
             seed: (i * 31 + j) as u64,
         };
         facing.factor((&self.shapes[i], &self.shapes[j]), &self.occluders, self.lift, precision)
-    }
-}
-
-/// Makes the view whole again: the form factors and the void sum to 1, so what the closed forms
-/// changed is taken from those that are uncertain, most from the most uncertain (least squares).
-/// The void counts as half unknown. Where nothing is uncertain, nothing changes.
-fn balance(pairs: &mut [Pair], mut void: f64) {
-    let void_square = 0.25 * void * void;
-    // Again where a form factor would have become negative.
-    for _ in 0..8 {
-        let excess = pairs.iter().map(|p| p.factor).sum::<f64>() + void - 1.0;
-        let uncertain = pairs.iter().filter(|p| p.factor > 0.0);
-        let squares = uncertain.map(|p| p.sigma * p.sigma).sum::<f64>() + void_square;
-        if squares <= 0.0 || excess.abs() < 1e-12 {
-            return;
-        }
-        let step = excess / squares;
-        for p in pairs.iter_mut().filter(|p| p.factor > 0.0) {
-            p.factor = (p.factor - step * p.sigma * p.sigma).max(0.0);
-        }
-        void = (void - step * void_square).max(0.0);
     }
 }

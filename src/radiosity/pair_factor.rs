@@ -2,6 +2,7 @@
 
 use super::area_points::{Spread, gauss, spread};
 use super::contour::{area, clip_front, exchange, point_to_polygon};
+use super::open_parts::{Ground, open_parts};
 use super::visibility::{Occluders, Shaft};
 use glam::{DVec2, DVec3};
 
@@ -17,6 +18,8 @@ pub struct Shape<'a> {
     pub radius: f64,
     /// Square world units.
     pub area: f64,
+    /// The parts of it that nothing covers, see [`open_parts`]; `None` where that is all of it.
+    open: Option<Vec<Vec<DVec3>>>,
 }
 
 impl<'a> Shape<'a> {
@@ -29,7 +32,31 @@ impl<'a> Shape<'a> {
             .try_normalize()
             .unwrap_or(normal);
         let radius = outline.iter().map(|p| p.distance(centre)).fold(0.0, f64::max);
-        Self { outline, centre, normal, radius, area: area(outline) }
+        Self { outline, centre, normal, radius, area: area(outline), open: None }
+    }
+
+    /// The same, with what `occluders` cover of it left out; `lift` as in [`Ground`].
+    pub fn uncovered(mut self, occluders: &Occluders, lift: f64) -> Self {
+        let ground = Ground { outline: self.outline, normal: self.normal, lift };
+        self.open = open_parts(ground, occluders.tracer());
+        self
+    }
+
+    /// The convex parts that nothing covers.
+    pub fn parts(&self) -> impl Iterator<Item = &[DVec3]> {
+        let whole = self.open.is_none().then_some(self.outline);
+        whole.into_iter().chain(self.open.iter().flatten().map(|part| &part[..]))
+    }
+
+    /// Whether something covers a part of it.
+    pub fn partly_covered(&self) -> bool {
+        self.open.is_some()
+    }
+
+    /// Share of the area that nothing covers.
+    pub fn open_share(&self) -> f64 {
+        let Some(open) = &self.open else { return 1.0 };
+        (open.iter().map(|part| area(part)).sum::<f64>() / self.area).clamp(0.0, 1.0)
     }
 }
 
@@ -61,8 +88,31 @@ impl Facing {
         lift: f64,
         precision: Precision,
     ) -> Option<(f64, f64)> {
-        clip_front(a.outline, b.outline[0], b.normal, &mut self.one);
-        clip_front(b.outline, a.outline[0], a.normal, &mut self.two);
+        let (mut factor, mut error) = (0.0, 0.0);
+        let pairs = a.parts().count() * b.parts().count();
+        let precision =
+            Precision { rays: (precision.rays / pairs.max(1) as u32).max(16), ..precision };
+        for part_a in a.parts() {
+            for part_b in b.parts() {
+                let part = self.part((part_a, a), (part_b, b), occluders, lift, precision)?;
+                factor += part.0;
+                error += part.1;
+            }
+        }
+        Some((factor.min(1.0), error))
+    }
+
+    /// The same for a part of each.
+    fn part(
+        &mut self,
+        (part_a, a): (&[DVec3], &Shape<'_>),
+        (part_b, b): (&[DVec3], &Shape<'_>),
+        occluders: &Occluders,
+        lift: f64,
+        precision: Precision,
+    ) -> Option<(f64, f64)> {
+        clip_front(part_a, b.outline[0], b.normal, &mut self.one);
+        clip_front(part_b, a.outline[0], a.normal, &mut self.two);
         // Faces that lie on each other leave no room for light, whatever the closed form says.
         let apart = |part: &[DVec3], of: &Shape<'_>| {
             part.len() >= 3 && part.iter().any(|p| of.normal.dot(*p - of.outline[0]) > lift)
@@ -122,7 +172,7 @@ fn visible(
     lift: f64,
     precision: Precision,
 ) -> f64 {
-    let (on_a, on_b) = (Spread::new(a), Spread::new(b));
+    let (on_a, on_b) = (Spread::new([a]), Spread::new([b]));
     let shift = (precision.seed as f64 * 0.618_033_988_749_894_9).fract();
     let (mut all, mut clear) = (0.0, 0.0);
     for k in 0..precision.rays {

@@ -62,6 +62,11 @@ impl Occluders {
         self.tracer.polygons().is_empty()
     }
 
+    /// The polygons.
+    pub fn tracer(&self) -> &Tracer {
+        &self.tracer
+    }
+
     /// Where the polygons are.
     pub fn shapes(&self) -> &[OccluderShape] {
         &self.shapes
