@@ -7,6 +7,7 @@ mod dirt;
 mod entity_lights;
 pub(crate) mod exact;
 pub mod export;
+mod extremes;
 mod filter;
 mod first_hit;
 mod hull;
