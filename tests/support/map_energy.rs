@@ -8,7 +8,7 @@ use qrad::radiosity::bounce::PatchLight;
 /// What the sums of a map come to.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct MapSums {
-    /// |A_a F_ab - A_b F_ba| over all pairs of surfaces, as share of the sum of A_a F_ab.
+    /// |A_a F_ab - A_b F_ba| over all pairs of planes with faces, as share of the sum of A_a F_ab.
     pub asymmetry: f64,
     /// First reflected less absorbed and escaped light, as share of the first; the worst channel and
     /// style.
@@ -35,15 +35,20 @@ fn area(map: &Prepared, i: usize) -> f64 {
     map.patches.set.patches[i].area.into()
 }
 
-/// Between the surfaces of the map: the errors of single pairs of patches, a few cells each, are mostly
-/// those of neighbours.
+/// Between the planes of the map's surfaces: the errors of single pairs of patches, a few cells each,
+/// are mostly those of neighbours.
 fn asymmetry(map: &Prepared) -> f64 {
-    let count = map.scene.surfaces.len();
+    let surfaces = &map.scene.surfaces;
+    let same = |a: usize, b: usize| {
+        surfaces[a].normal == surfaces[b].normal && surfaces[a].dist == surfaces[b].dist
+    };
+    let count = surfaces.len();
+    let plane: Vec<usize> = (0..count).map(|a| (0..a).find(|&b| same(a, b)).unwrap_or(a)).collect();
     let mut flow = vec![0.0; count * count];
     for i in 0..map.transfers.rows() {
         let (columns, factors) = map.transfers.row(i);
         for (&j, &f) in columns.iter().zip(factors) {
-            let [from, to] = [i, j as usize].map(|p| map.patches.surface[p] as usize);
+            let [from, to] = [i, j as usize].map(|p| plane[map.patches.surface[p] as usize]);
             flow[from * count + to] += area(map, i) * f64::from(f);
         }
     }
