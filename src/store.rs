@@ -89,7 +89,7 @@ fn lit_faces(scene: &Scene, blocks: &[Block]) -> Vec<LitFace> {
         let texels = surface.texture_axes[0].length() / grid.s_row.truncate().length();
         LitFace {
             offset: block.offset,
-            styles: block.styles.iter().map(|&style| style.into()).collect(),
+            styles: block.styles.clone(),
             size: [grid.width, grid.height].map(side),
             shift: (texels.log2() - 1e-3).ceil() as u8,
         }

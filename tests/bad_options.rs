@@ -192,10 +192,10 @@ fn every_path_that_cannot_be_used_is_refused() {
             // A folder that is searched need not be there.
             "path" => continue,
             "dump-lightmaps" => {
-                bad = vec![place.map.clone(), bad[2].clone(), "/proc/nowhere".into()]
+                bad = vec![place.map.clone(), bad[2].clone(), "/proc/nowhere".into()];
             }
             "output" | "preview" => {
-                bad.extend([place.path("no/folder/file"), "/proc/nowhere".into()])
+                bad.extend([place.path("no/folder/file"), "/proc/nowhere".into()]);
             }
             _ => bad.push(place.path("missing")),
         }

@@ -60,7 +60,7 @@ fn add_directions(
 ) {
     let [s, t] = surface.texture_axes.map(|axis| axis.try_normalize().unwrap_or(Vec3::ZERO));
     for map in &mut face.styles {
-        let known = directions.styles().iter().find(|d| d.style == u16::from(map.style));
+        let known = directions.styles().iter().find(|d| d.style == map.style);
         let to_tangent = |v: &Vec3| Vec3::new(v.dot(s), -v.dot(t), v.dot(surface.normal));
         let vectors = match known {
             Some(known) => known.vectors.iter().map(to_tangent).collect(),
