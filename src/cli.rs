@@ -490,6 +490,8 @@ impl Cli {
 
 /// `path`, or `path.bsp` if it names no file and that does.
 pub fn map_path(path: &Path) -> PathBuf {
-    let with = PathBuf::from(format!("{}.bsp", path.display()));
+    let mut with = path.as_os_str().to_owned();
+    with.push(".bsp");
+    let with = PathBuf::from(with);
     if !path.exists() && with.exists() { with } else { path.to_path_buf() }
 }

@@ -33,6 +33,7 @@ pub fn run(
     let cli = with_map.as_ref().unwrap_or(cli);
     let settings = cli.settings()?;
     let target = cli.output.as_deref().unwrap_or(path);
+    check_outputs(cli, path, target, &settings)?;
     if settings.outputs.scope == Scope::EntitiesOnly {
         bsp.rewrite_entities(settings.styles(&bsp)?).with_context(|| path.display().to_string())?;
         let map = bsp.write()?;
@@ -42,7 +43,6 @@ pub fn run(
     }
     let camera = cli.camera()?;
     let size = cli.preview_size()?;
-    check_outputs(cli, target, &settings)?;
     let textures = textures(cli, path, &bsp)?;
     let texinfo = sidecar(path, "texinfo.json")?;
     let content = sidecar(path, "content.json")?;
@@ -60,13 +60,15 @@ pub fn run(
         output::write(&obj, export::obj(&scene).as_bytes())?;
         return Ok(());
     }
+    // A map that goes elsewhere has nothing to do with what lies there.
+    let luxels = if target == path { bsp.lighting.len() } else { 0 };
     let progress = Progress::new(visible);
     let lit = light_bsp(&mut bsp, sidecar, textures.clone(), &settings, &progress)
         .with_context(|| path.display().to_string())?;
     for sentence in &lit.scene.warnings {
         log::warn!("{sentence}");
     }
-    note_damaged_lit(&target.with_extension("lit"));
+    note_damaged_lit(&target.with_extension("lit"), luxels);
     let whole = writing.lock();
     let mut written = write_files(target, &bsp, &lit.files, &settings.outputs)?;
     if cli.exportobj {
@@ -130,11 +132,21 @@ fn with_options_of_map(world: &Entity, args: &[OsString]) -> Option<Cli> {
     }
 }
 
-/// Says so when the `.lit` file that is about to be replaced is none.
-fn note_damaged_lit(path: &Path) {
+/// Says so when the `.lit` file that is about to be replaced is none, or not that of a lighting lump of
+/// `luxels` bytes; 0 if that is not known.
+fn note_damaged_lit(path: &Path, luxels: usize) {
     let Ok(bytes) = std::fs::read(path) else { return };
-    if let (Err(error), Err(_)) = (read_lit(&bytes), read_hdr_lit(&bytes)) {
-        log::warn!("{}: {error}; it is replaced", path.display());
+    let colours = match (read_lit(&bytes), read_hdr_lit(&bytes)) {
+        (Ok(rgb), _) => rgb.len() / 3,
+        (_, Ok(hdr)) => hdr.len(),
+        (Err(error), Err(_)) => {
+            log::warn!("{}: {error}; it is replaced", path.display());
+            return;
+        }
+    };
+    if luxels != 0 && colours != luxels {
+        let path = path.display();
+        log::warn!("{path}: {colours} colours for {luxels} luxels of the map; it is replaced");
     }
 }
 
@@ -153,28 +165,36 @@ fn sidecar(map: &Path, extension: &str) -> anyhow::Result<Option<String>> {
 }
 
 /// Finds out what cannot be written before the long work, and before anything has been written.
-fn check_outputs(cli: &Cli, target: &Path, settings: &Settings) -> qrad::Result<()> {
+fn check_outputs(cli: &Cli, map: &Path, target: &Path, settings: &Settings) -> qrad::Result<()> {
     let outputs = &settings.outputs;
+    let entities_only = outputs.scope == Scope::EntitiesOnly;
     let lit = target.with_extension("lit");
     let lux = target.with_extension(outputs.lux.extension().unwrap_or("lux"));
     let obj = target.with_extension("obj");
     let lights = surface_light_path(target);
     let files = [
         (outputs.writes_map(), target),
-        (!outputs.writes_map() && outputs.scope != Scope::EntitiesOnly, &lit),
+        (!outputs.writes_map() && !entities_only, &lit),
         (outputs.lux.extension().is_some(), &lux),
         (cli.exportobj || cli.phongdebug_obj, &obj),
         (cli.surflight_dump, &lights),
     ];
     let files = files.into_iter().filter_map(|(wanted, path)| wanted.then_some(path));
-    files.chain(cli.preview.as_deref()).try_for_each(output::check_writable)?;
+    let files: Vec<&Path> = files.chain(cli.preview.as_deref()).collect();
+    files.iter().try_for_each(|path| output::check_writable(path))?;
+    // The map may be replaced by itself. A `.lit` file may come or go.
+    let lit = (outputs.writes_map() && !entities_only).then_some(lit.as_path());
+    let inputs = cli.wad.iter().chain(&cli.radlights).map(PathBuf::as_path);
+    let inputs: Vec<&Path> = inputs.chain((target != map).then_some(map)).collect();
+    output::check_distinct(&files.iter().copied().chain(lit).collect::<Vec<_>>(), &inputs)?;
     cli.dump_lightmaps.as_deref().map_or(Ok(()), output::check_folder)
 }
 
 /// `<map>-surflights.map`.
 fn surface_light_path(map: &Path) -> PathBuf {
-    let stem = map.file_stem().unwrap_or_default().to_string_lossy();
-    map.with_file_name(format!("{stem}-surflights.map"))
+    let mut name = map.file_stem().unwrap_or_default().to_owned();
+    name.push("-surflights.map");
+    map.with_file_name(name)
 }
 
 /// Lights of textures from files beside the map and from those that the command line names.

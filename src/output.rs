@@ -3,7 +3,7 @@
 use crate::{Error, Result};
 use image::{ImageFormat, RgbImage};
 use std::io::{self, Cursor, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use tempfile::NamedTempFile;
 
 /// Replaces `path` by `bytes`. An interrupted run leaves the old file as it was.
@@ -38,6 +38,32 @@ pub fn check_replaceable(path: &Path) -> Result<()> {
         return Err(Error::io("write", path)(std::io::ErrorKind::IsADirectory.into()));
     }
     Ok(())
+}
+
+/// Whether no file is to be written twice, or over one that the run reads.
+///
+/// # Errors
+/// Names the file.
+pub fn check_distinct(outputs: &[&Path], inputs: &[&Path]) -> Result<()> {
+    let taken: Vec<_> = inputs.iter().map(|p| place(p)).collect();
+    for (i, path) in outputs.iter().enumerate() {
+        let at = place(path);
+        let again = outputs[..i].iter().any(|p| place(p) == at);
+        if again || taken.contains(&at) {
+            let other = if again { "another output of this run" } else { "an input of this run" };
+            let problem = format!("{other} has this name; choose another");
+            return Err(Error::format(path.display().to_string(), problem));
+        }
+    }
+    Ok(())
+}
+
+/// A name that two paths of one file share.
+fn place(path: &Path) -> PathBuf {
+    let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let known = path.canonicalize().ok();
+    let in_folder = || Some(folder.canonicalize().ok()?.join(path.file_name()?));
+    known.or_else(in_folder).unwrap_or_else(|| path.to_path_buf())
 }
 
 /// Whether a file can be written, found out by writing an empty one beside it. For runs that take long

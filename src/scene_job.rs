@@ -17,13 +17,17 @@ pub fn run(cli: &Cli, path: &Path, visible: bool, writing: &Mutex<()>) -> anyhow
     let bytes = std::fs::read(path).with_context(|| format!("cannot read {}", path.display()))?;
     let name = path.display().to_string();
     let scene = TextScene::parse(decode(&bytes, &name)?, &name)?;
+    let target = cli.output.clone().unwrap_or_else(|| lit_name(path));
+    let to_stdout = target == Path::new("-");
+    if !to_stdout {
+        output::check_distinct(&[&target], &[path])?;
+        output::check_writable(&target)?;
+    }
     let progress = Progress::new(visible);
     let (transfers, solution) = light_patches_with(&scene, cli.near(), &progress)?;
     let exitance: Vec<[f64; 3]> =
         solution.exitance.iter().map(|m| m.0.as_dvec3().to_array()).collect();
     let text = scene.lit(&exitance).to_text();
-    let target = cli.output.clone().unwrap_or_else(|| lit_name(path));
-    let to_stdout = target == Path::new("-");
     if to_stdout {
         std::io::stdout().write_all(text.as_bytes()).context("cannot write standard output")?;
     } else {
@@ -52,6 +56,7 @@ pub fn run(cli: &Cli, path: &Path, visible: bool, writing: &Mutex<()>) -> anyhow
 
 /// `NAME-lit.txt` beside `NAME.txt`.
 fn lit_name(path: &Path) -> PathBuf {
-    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
-    path.with_file_name(format!("{stem}-lit.txt"))
+    let mut name = path.file_stem().unwrap_or_default().to_owned();
+    name.push("-lit.txt");
+    path.with_file_name(name)
 }

@@ -74,7 +74,11 @@ fn a_damaged_lit_beside_a_good_map_is_named_and_replaced() {
     assert!(!warnings(&map).contains("map.lit"));
     let with_version = with_word(&lit, 4, 2);
     let bad_magic = [b"XLIT", &lit[4..]].concat();
-    for bad in [&lit[..lit.len() - 2], &with_version, &bad_magic, b"", &lit[..7]] {
+    let longer = [&lit[..], &[1; 300]].concat();
+    // Whole colours, but not as many as the map has luxels, are no better than broken ones.
+    let whole = [&lit[..lit.len() - 3], &longer, &lit[..8]];
+    let broken = [&lit[..lit.len() - 2], &with_version, &bad_magic, b"", &lit[..7]];
+    for bad in whole.into_iter().chain(broken) {
         std::fs::write(&map, &good).unwrap();
         std::fs::write(&path, bad).unwrap();
         let said = warnings(&map);

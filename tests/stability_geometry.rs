@@ -123,12 +123,15 @@ fn colinear_and_doubled_vertices_keep_every_invariant_and_rows_sum_to_one() {
     hold("colinear vertices", &quads, Expect::default());
 }
 
-/// Two strips of width 1 hinged along an edge, 40 long, cut into patches across that shrink towards the
+/// Length of the strips of a wedge.
+const LONG: f64 = 400.0;
+
+/// Two strips of width 1 hinged along an edge, [`LONG`] long, cut into patches across that shrink towards the
 /// hinge. Their form factor is 1 - sin(angle / 2) (Hottel's crossed strings) but for the ends.
 fn wedge(degrees: f64) -> Vec<Quad> {
     const CUTS: usize = 12;
     let angle = degrees.to_radians();
-    let along = DVec3::Y * 40.0;
+    let along = DVec3::Y * LONG;
     let sides = [(DVec3::X, true), (DVec3::new(angle.cos(), 0.0, angle.sin()), false)];
     let cut = |k: usize| (k as f64 / CUTS as f64).powi(2);
     let mut quads = Vec::new();
@@ -147,23 +150,23 @@ fn wedge(degrees: f64) -> Vec<Quad> {
 fn dihedral_angles_from_a_tenth_to_179_point_9_degrees_have_hottels_form_factor() {
     for degrees in [0.1, 1.0, 5.0, 30.0, 90.0, 150.0, 179.0, 179.9] {
         let quads = wedge(degrees);
-        // From 179 degrees on a few cells along the horizon are all that one side sees of the other.
-        let asymmetry = if degrees < 179.0 { 0.02 } else { 0.5 };
-        let expect = Expect { closed: false, noise: 0.03, asymmetry, hemicube: 256 };
+        let expect = Expect { closed: false, hemicube: 256, ..Expect::default() };
         let solved = hold(&format!("wedge of {degrees} degrees"), &quads, expect);
         let half = quads.len() / 2;
         let between: f64 = (0..half)
             .map(|i| {
                 let area: f64 = solved.patches.set.patches[i].area.into();
-                area * solved.row_sum(i) / 40.0
+                area * solved.row_sum(i) / LONG
             })
             .sum();
         let want = 1.0 - (0.5 * degrees.to_radians()).sin();
+        // Light that leaves at the ends: less than a fifth of the width at both.
+        let ends = 0.2 / LONG;
         // An eye stands over its patch by a millionth of the scene: what is nearer, it cannot see.
-        let unseen = 40e-6 / degrees.to_radians().sin();
+        let unseen = LONG * 1e-6 / degrees.to_radians().sin();
         println!("wedge of {degrees} degrees: form factor {between:.5}, exact {want:.5}");
         assert!(
-            (between - want).abs() < 0.01 + unseen,
+            between <= want + 5e-4 && between >= want - ends - 1.5e-3 - unseen,
             "{degrees} degrees: {between} instead of {want}"
         );
     }
@@ -190,10 +193,11 @@ fn back_faces_block_light_and_give_none() {
 fn a_slit_lets_its_share_of_light_through() {
     // Two rooms side by side, a wall with a slit of 1/32 of its width between them.
     let lamp = Light { exitance: 1.0, reflectance: 0.0 };
-    let black = Light { exitance: 0.0, reflectance: 0.0 };
+    // Patches that reflect nothing would keep the form factors of one hemicube.
+    let dim = Light { exitance: 0.0, reflectance: 0.5 };
     let mut quads = cuboid(DVec3::ZERO, DVec3::splat(1.0), 3, true, lamp);
     quads.retain(|q| q.unit_normal().x > -0.5);
-    let mut far = cuboid(DVec3::X, DVec3::new(2.0, 1.0, 1.0), 3, true, black);
+    let mut far = cuboid(DVec3::X, DVec3::new(2.0, 1.0, 1.0), 3, true, dim);
     far.retain(|q| q.unit_normal().x < 0.5);
     let first = quads.len();
     quads.extend(far);
@@ -201,9 +205,9 @@ fn a_slit_lets_its_share_of_light_through() {
         let origin = DVec3::new(1.0, low, 0.0);
         let (u, v) = (DVec3::Y * (high - low), DVec3::Z);
         quads.extend(grid(origin, v, u, [4, 2], lamp));
-        quads.extend(grid(origin, u, v, [2, 4], black));
+        quads.extend(grid(origin, u, v, [2, 4], dim));
     }
-    let expect = Expect { noise: 0.2, hemicube: 256, ..Expect::default() };
+    let expect = Expect { hemicube: 256, ..Expect::default() };
     let solved = hold("slit", &quads, expect);
     // All that goes through the slit is absorbed behind it: its area times the exitance of 1.
     let through: f64 = (first..quads.len())
@@ -217,5 +221,5 @@ fn a_slit_lets_its_share_of_light_through() {
         })
         .sum();
     println!("through the slit: {through:.5}, exact {:.5}", 1.0 / 32.0);
-    assert!((through * 32.0 - 1.0).abs() < 0.25, "{through}");
+    assert!((through * 32.0 - 1.0).abs() < 0.02, "{through}");
 }

@@ -32,7 +32,9 @@ fn read_back(quads: &[Quad]) -> (TextScene, Vec<String>) {
 
 #[test]
 fn reflectance_0_settles_in_one_pass_and_keeps_every_invariant() {
-    let solved = hold("reflectance 0", &room([0.0; 3], 1.0), Expect::default());
+    // What black patches receive lights nothing: their rows stay as one hemicube each saw them.
+    let expect = Expect { noise: 0.04, asymmetry: 0.06, ..Expect::default() };
+    let solved = hold("reflectance 0", &room([0.0; 3], 1.0), expect);
     assert_eq!(solved.solution.passes, 1);
     assert!(solved.exitance()[LAMP + 1..].iter().all(|m| *m == DVec3::ZERO));
 }
@@ -79,9 +81,15 @@ fn reflectance_1_is_kept_where_light_comes_to_something_that_absorbs() {
 #[test]
 fn reflectances_mixed_per_channel_keep_every_invariant_and_channels_apart() {
     let solved = hold("mixed channels", &room([0.0, 0.5, 0.99], 0.5), Expect::default());
+    let plain = Solved::plain(&room([0.0, 0.5, 0.99], 0.5), 128, 1_000_000).exitance();
     for (channel, rho) in [0.0, 0.5, 0.99].into_iter().enumerate() {
-        let alone = Solved::new(&room([rho; 3], 0.5), 128, 1_000_000).exitance();
-        for (m, alone) in solved.exitance().iter().zip(alone) {
+        // Which pairs are near depends on the brightest channel: without them all is the same.
+        let near = Solved::new(&room([rho; 3], 0.5), 128, 1_000_000).exitance();
+        for (m, near) in solved.exitance().iter().zip(near) {
+            assert!((m[channel] - near[channel]).abs() <= 0.005 * near[channel], "{m} {near}");
+        }
+        let alone = Solved::plain(&room([rho; 3], 0.5), 128, 1_000_000).exitance();
+        for (m, alone) in plain.iter().zip(alone) {
             let off = (m[channel] - alone[channel]).abs();
             // Each solution ends when its brightest channel is done.
             assert!(off <= 1e-6 * (1.0 + alone[channel]), "{m} {alone}");

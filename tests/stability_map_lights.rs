@@ -6,9 +6,9 @@ mod support;
 use qrad::bsp::{Bsp, Format};
 use support::lit_room::entity;
 use support::map_builder::MapBuilder;
-use support::map_invariants::{Expect, hold};
+use support::map_invariants::{Expect, hold, lit, quick};
 
-const CLOSED: Expect = Expect { closed: true, negative: false };
+const CLOSED: Expect = Expect::CLOSED;
 
 /// A room of 192 units with a pillar and the lights of `entities`.
 fn lit_by(entities: &str) -> Bsp {
@@ -33,7 +33,9 @@ fn lights_on_a_surface_keep_every_invariant() {
         // On the floor, in a corner, on a luxel's sample point one unit over the floor.
         let keys = [("light", "200"), ("delay", delay)];
         let places = ["32 32 0", "0 0 0", "128 128 1", "80 80 64"];
-        hold(&format!("on a surface, delay {delay}"), &lit_by(&lights(&places, &keys)), CLOSED);
+        // Nearly all of the light is on a few luxels: the errors of their patches do not average out.
+        let expect = Expect { energy: 0.04, ..CLOSED };
+        hold(&format!("on a surface, delay {delay}"), &lit_by(&lights(&places, &keys)), expect);
     }
 }
 
@@ -79,6 +81,61 @@ fn bright_negative_and_absurd_lights_stay_finite() {
     }
 }
 
+#[test]
+fn lights_at_the_end_of_single_precision_are_limited_with_a_line_and_stay_finite() {
+    let near = [("origin", "32 32 64"), ("light", "100")];
+    for (key, value) in [
+        ("light", "3e38"),
+        ("light", "-3e38"),
+        ("light", "1e30"),
+        ("light", "1e999"),
+        ("color", "3e38 1 -3e38"),
+        ("bouncescale", "3e38"),
+        ("falloff", "1e30"),
+    ] {
+        for delay in DELAYS {
+            let keys = [("light", "300"), (key, value), ("delay", delay), ("wait", "1e-38")];
+            let keys = if key == "light" { &keys[1..] } else { &keys[..] };
+            let text = entity("light", &near) + &lights(&["150 150 60", "128 128 1"], keys);
+            let case = format!("{key} {value}, delay {delay}");
+            let light = hold(&case, &lit_by(&text), Expect { negative: true, ..CLOSED });
+            let told = light.scene.warnings.iter().filter(|w| w.contains("taken as")).count();
+            assert_eq!(told, 2, "{case}: {:?}", light.scene.warnings);
+        }
+    }
+    for key in ["range", "dist", "sunlight", "minlight", "dirtscale", "bouncescale", "gamma"] {
+        for value in ["3e38", "-3e38", "1e30", "nan", "-inf"] {
+            let world = entity("worldspawn", &[(key, value)]);
+            let map = MapBuilder::room([0.0; 3], [192.0, 192.0, 128.0])
+                .solid_texture("wall", 8)
+                .entities(world + &entity("light", &near))
+                .build(Format::Bsp2);
+            let (light, _) = lit(&map, &quick(), 2);
+            let said = light.scene.warnings.iter().any(|w| w.contains(key) && w.contains(value));
+            assert!(said, "{key} {value}: {:?}", light.scene.warnings);
+            let maps = light.faces.iter().flat_map(|f| &f.styles).flat_map(|s| &s.light);
+            assert!(maps.into_iter().all(|l| l.is_finite()), "{key} {value}");
+        }
+    }
+}
+
+#[test]
+fn a_light_that_is_no_number_is_named_and_has_the_default() {
+    let levels = |value: &[(&str, &str)]| {
+        let text = lights(&["100 120 60"], value);
+        let (light, _) = lit(&lit_by(&text), &quick(), 2);
+        let levels: Vec<_> =
+            light.faces.iter().flat_map(|f| &f.styles).map(|s| s.levels.clone()).collect();
+        (levels, light.scene.warnings.iter().filter(|w| w.contains("no number")).count())
+    };
+    let (plain, none) = levels(&[]);
+    assert_eq!(none, 0);
+    for value in ["nan", "NaN", "inf", "-Infinity"] {
+        assert!(levels(&[("light", value)]) == (plain.clone(), 1), "light {value}");
+        assert!(levels(&[("wait", value)]) == (plain.clone(), 1), "wait {value}");
+    }
+}
+
 /// A closed room from `low` with sides of `size`, luxels `scale` units apart, a light in its middle.
 fn sized(low: f32, size: f32, scale: &str) -> Bsp {
     let middle = low + size * 0.5;
@@ -96,7 +153,9 @@ fn sized(low: f32, size: f32, scale: &str) -> Bsp {
 #[test]
 fn a_room_10_units_wide_keeps_every_invariant_and_rows_sum_to_one() {
     hold("10 units", &sized(0.0, 10.0, "16"), CLOSED);
-    hold("10 units, fine", &sized(-3.0, 10.0, "1"), CLOSED);
+    // Patches of 2 units beside each other are narrower than the cells that see them.
+    let fine = Expect { energy: 0.03, ..CLOSED };
+    hold("10 units, fine", &sized(-3.0, 10.0, "1"), fine);
 }
 
 #[test]

@@ -9,8 +9,8 @@ use support::map_builder::MapBuilder;
 use support::map_invariants::{Expect, hold};
 use support::polygons::{add_face, carpet, disc};
 
-const CLOSED: Expect = Expect { closed: true, negative: false };
-const OPEN: Expect = Expect { closed: false, negative: false };
+const CLOSED: Expect = Expect::CLOSED;
+const OPEN: Expect = Expect::OPEN;
 
 fn room() -> MapBuilder {
     MapBuilder::room([0.0; 3], [192.0, 160.0, 128.0])
@@ -127,7 +127,9 @@ fn touching_crossing_and_coincident_faces_keep_every_invariant() {
         [[40.0, 40.0, 16.0], [40.0, 104.0, 16.0], [120.0, 104.0, 48.0], [120.0, 40.0, 48.0]];
     let normal = Vec3::new(-0.4, 0.0, 1.0).normalize();
     let slope = (slope.map(Vec3::from).to_vec(), normal);
-    hold("odd faces", &with_faces(&[flat(32.0), flat(32.0), flat(0.0), slope]), OPEN);
+    // Two faces in one place both get light, and only one of them is seen to send it on.
+    let expect = Expect { energy: 0.06, asymmetry: 0.06, ..OPEN };
+    hold("odd faces", &with_faces(&[flat(32.0), flat(32.0), flat(0.0), slope]), expect);
 }
 
 #[test]
@@ -210,7 +212,8 @@ fn a_slit_one_unit_wide_keeps_every_invariant_and_is_no_black_gap() {
         .pillar([97.0, 70.0, 0.0], [193.0, 90.0, 128.0], 0)
         .entities(light("96 30 64", "300"))
         .build(Format::Bsp29);
-    let light = hold("slit", &map, CLOSED);
+    // Eyes in the slit see its other side half a unit away: cells are few and large there.
+    let light = hold("slit", &map, Expect { energy: 0.03, asymmetry: 0.08, ..CLOSED });
     // The far room is lit by what comes through, and darker than the near one.
     let far = light.scene.surfaces.iter().position(|s| s.normal == -Vec3::Y && s.dist == -160.0);
     let near = light.scene.surfaces.iter().position(|s| s.normal == Vec3::Y && s.dist == 0.0);

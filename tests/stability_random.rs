@@ -4,6 +4,7 @@ mod support;
 
 use glam::DVec3;
 use proptest::prelude::*;
+use proptest::test_runner::RngSeed;
 use qrad::patch::Quad;
 use qrad::radiosity::hemicube::{DeltaFormFactors, HemicubeSize, SIDES, SideId, View};
 use qrad::radiosity::per_ray;
@@ -11,6 +12,8 @@ use support::invariants::{Expect, Solved, hold};
 use support::quads::{Light, cuboid};
 
 const HEMICUBE: u32 = 32;
+/// How far rows may be from those of rays all over the patch, whose 16 points err too.
+const OFF: f64 = 0.05;
 
 /// A room of random size with up to three boxes anywhere in it, apart or not, and random light.
 fn boxes() -> impl Strategy<Value = Vec<Quad>> {
@@ -68,18 +71,66 @@ fn dense(solved: &Solved, channel: usize) -> Vec<f64> {
     m
 }
 
-/// Row i of form factors with one ray a cell.
+/// Row i of form factors with one ray a cell, from the middle of the patch.
 fn by_rays(solved: &Solved, i: usize, delta: &DeltaFormFactors, size: HemicubeSize) -> Vec<f64> {
-    let (patch, tracer) = (&solved.patches.set.patches[i], &solved.patches.tracer);
+    let patch = &solved.patches.set.patches[i];
     let view = View::turned(patch.eye, patch.normal, i as u64);
+    seen_from(solved, &view, delta, size)
+}
+
+/// Row i as the mean over `side` x `side` points of the patch.
+fn by_rays_all_over(
+    solved: &Solved,
+    i: usize,
+    side: usize,
+    delta: &DeltaFormFactors,
+    size: HemicubeSize,
+) -> Vec<f64> {
+    let patch = &solved.patches.set.patches[i];
+    let [a, b, d] = [0, 1, 3].map(|k| corner(solved, i, k));
+    let (lift, normal) = (lift(solved), solved.scene.patches[i].unit_normal());
     let mut row = vec![0.0; solved.scene.patches.len()];
-    let mut cells = per_ray::trace(tracer, &view, size).into_iter();
+    for k in 0..side * side {
+        let (s, t) = ((k % side) as f64 + 0.5, (k / side) as f64 + 0.5);
+        let at = a + ((b - a) * s + (d - a) * t) / side as f64 + normal * lift;
+        let view = View::turned(at.as_vec3(), patch.normal, (i * side * side + k) as u64);
+        for (sum, f) in row.iter_mut().zip(seen_from(solved, &view, delta, size)) {
+            *sum += f / (side * side) as f64;
+        }
+    }
+    row
+}
+
+/// How high eyes stand over their patches, but for rounding.
+fn lift(solved: &Solved) -> f64 {
+    let lifts = solved.patches.set.patches.iter().enumerate().map(|(i, patch)| {
+        let middle = (corner(solved, i, 1) + corner(solved, i, 3)) * 0.5;
+        (patch.eye.as_dvec3() - middle).dot(solved.scene.patches[i].unit_normal())
+    });
+    lifts.fold(0.0, f64::max)
+}
+
+/// A corner of a patch where the tracer has it.
+fn corner(solved: &Solved, i: usize, corner: usize) -> DVec3 {
+    solved.patches.tracer.polygons()[i].vertices[corner].as_dvec3()
+}
+
+/// Form factors of one view with one ray a cell.
+fn seen_from(
+    solved: &Solved,
+    view: &View,
+    delta: &DeltaFormFactors,
+    size: HemicubeSize,
+) -> Vec<f64> {
+    let tracer = &solved.patches.tracer;
+    let mut row = vec![0.0; solved.scene.patches.len()];
+    let mut cells = per_ray::trace(tracer, view, size).into_iter();
     for side in SIDES {
         let rows = if side == SideId::Top { size.height() } else { size.height() / 2 };
         for weight in &delta.of(side)[..(rows * size.width()) as usize] {
             let Some(seen) = cells.next().unwrap() else { continue };
             let polygon = &tracer.polygons()[seen as usize];
-            if polygon.normal.dot(patch.eye - polygon.vertices[0]) > 0.0 {
+            if polygon.normal.dot(view.position - polygon.vertices[0]) > 0.0 {
                 row[seen as usize] += f64::from(*weight);
             }
         }
@@ -88,7 +139,7 @@ fn by_rays(solved: &Solved, i: usize, delta: &DeltaFormFactors, size: HemicubeSi
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 12, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: 12, rng_seed: RngSeed::Fixed(4), failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
     fn random_boxes_in_a_room_have_the_light_of_a_dense_solve(quads in boxes()) {
@@ -103,14 +154,15 @@ proptest! {
 
     #[test]
     fn random_boxes_in_a_room_keep_every_invariant(quads in boxes()) {
-        // Boxes may cut through patches and touch: only what holds for any scene is asked.
-        let any = Expect { closed: false, noise: 1.0, asymmetry: 1.0, hemicube: HEMICUBE };
-        hold("random boxes", &quads, any);
+        // Where boxes cut through each other, patches inside look at backs: rows are open. Few cells
+        // see patches that are half inside a box, or a fiftieth of a unit from one.
+        let expect = Expect { closed: false, noise: 0.04, asymmetry: 0.04, hemicube: HEMICUBE };
+        hold("random boxes", &quads, expect);
     }
 
     #[test]
     fn random_boxes_in_a_room_have_the_form_factors_of_the_per_ray_oracle(quads in boxes()) {
-        let solved = Solved::new(&quads, HEMICUBE, 0);
+        let solved = Solved::plain(&quads, HEMICUBE, 0);
         let size = HemicubeSize::new(HEMICUBE, HEMICUBE).unwrap();
         let delta = DeltaFormFactors::new(size);
         let mut off = 0.0;
@@ -124,5 +176,29 @@ proptest! {
         }
         // Cells whose middle is an edge may go to either side.
         prop_assert!(off <= 2e-3 * quads.len() as f64, "{off} of {} rows", quads.len());
+    }
+
+    #[test]
+    fn random_boxes_in_a_room_have_the_form_factors_of_rays_from_all_over_each_patch(quads in boxes()) {
+        let solved = Solved::new(&quads, HEMICUBE, 0);
+        let plain = Solved::plain(&quads, HEMICUBE, 0);
+        let size = HemicubeSize::new(HEMICUBE, HEMICUBE).unwrap();
+        let delta = DeltaFormFactors::new(size);
+        let (mut off, mut off_plain, mut all) = (0.0, 0.0, 0.0);
+        for i in 0..quads.len() {
+            let area = f64::from(solved.patches.set.patches[i].area);
+            let rays = by_rays_all_over(&solved, i, 4, &delta, size);
+            for (of, sum) in [(&solved, &mut off), (&plain, &mut off_plain)] {
+                let mut row = rays.clone();
+                let (columns, factors) = of.transfers.row(i);
+                for (&j, &f) in columns.iter().zip(factors) {
+                    row[j as usize] -= f64::from(f);
+                }
+                *sum += area * row.iter().map(|d| d.abs()).sum::<f64>();
+            }
+            all += area;
+        }
+        println!("near {:.4}, plain {:.4}", off / all, off_plain / all);
+        prop_assert!(off <= OFF * all && off < off_plain, "{off} and {off_plain} of {all}");
     }
 }

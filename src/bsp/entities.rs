@@ -54,9 +54,9 @@ impl Entity {
         Some(self.pairs.remove(place).1)
     }
 
-    /// All values, to be changed in place.
-    pub(crate) fn values_mut(&mut self) -> impl Iterator<Item = &mut String> {
-        self.pairs.iter_mut().map(|(_, value)| value)
+    /// All keys, and their values to be changed in place.
+    pub(crate) fn pairs_mut(&mut self) -> impl Iterator<Item = (&str, &mut String)> {
+        self.pairs.iter_mut().map(|(key, value)| (key.as_str(), value))
     }
 }
 

@@ -63,7 +63,7 @@ pub fn normalise(entities: &mut [Entity], styles: StyleRange) -> Result<bool> {
             entity.set("switchshadstyle", styles.of(&name)?.to_string());
         }
     }
-    for value in entities.iter_mut().flat_map(Entity::values_mut) {
+    for (_, value) in entities.iter_mut().flat_map(Entity::pairs_mut) {
         if value.contains("\\b") {
             *value = embolden(value);
         }

@@ -6,12 +6,16 @@ use crate::scene::lights::Attenuation;
 /// Distance in scaled units at which lights with inverse falloff have their full brightness.
 const FULL_AT: f32 = 128.0;
 
+/// Most light units of one light at one point: sums of many, in colour and scaled, stay within single
+/// precision.
+const MOST: f32 = 1e15;
+
 /// Light units that `light` gives at distance `d` in world units, facing it, without cone; `dist` is
-/// the world's distance scale. There is no cap near the light.
+/// the world's distance scale. There is no cap near the light but that of single precision.
 pub(crate) fn value(light: &Light, dist: f32, d: f32) -> f32 {
     let l = light.brightness;
     let v = dist * light.wait * d;
-    match light.attenuation {
+    let value = match light.attenuation {
         Attenuation::Falloff(radius) => {
             if d < radius {
                 l * (1.0 - d / radius)
@@ -32,7 +36,8 @@ pub(crate) fn value(light: &Light, dist: f32, d: f32) -> f32 {
             let h = v.max(FULL_AT);
             l / (h * h)
         }
-    }
+    };
+    value.clamp(-MOST, MOST)
 }
 
 /// Share of the light at distance `d` that a copy of a surface light gives although the surface it
@@ -43,7 +48,8 @@ pub(crate) fn excess(light: &Light, dist: f32, d: f32) -> f32 {
     if !inverse || d >= light.piece_radius {
         return 0.0;
     }
-    1.0 - value(light, dist, light.piece_radius) / value(light, dist, d)
+    // Both may have vanished: 0 / 0 is no excess.
+    (1.0 - value(light, dist, light.piece_radius) / value(light, dist, d)).max(0.0)
 }
 
 #[cfg(test)]

@@ -48,6 +48,9 @@ impl Default for FinishSettings {
     }
 }
 
+/// Most levels of a sample: the sum of a face's is still within single precision.
+const BRIGHTEST: f32 = 1e30;
+
 /// The last light style that a byte names: 255 stands for none.
 pub const LAST_BYTE_STYLE: u16 = 254;
 
@@ -166,7 +169,8 @@ pub(super) fn scale(e: Irradiance, settings: FinishSettings) -> Vec3 {
     if settings.gamma != 1.0 {
         c = Vec3::from_array(c.to_array().map(|v| (v / 255.0).powf(1.0 / settings.gamma) * 255.0));
     }
-    c
+    // What is infinite has no mean.
+    c.min(Vec3::splat(BRIGHTEST))
 }
 
 /// Limits to 255 keeping the hue, and truncates.

@@ -2,6 +2,7 @@
 
 use super::Scene;
 use super::entity_lights;
+use super::extremes;
 use super::face_reader::FaceReader;
 use super::filter::Filters;
 use super::light_grid::LightGrid;
@@ -85,7 +86,9 @@ impl Scene {
         entities.extend(parse_entities(sidecar.lights.unwrap_or("").as_bytes())?);
         let worldspawn = overrides::apply(&entities[0], &settings.overrides);
         // The world as a model has keys too.
-        entities[0] = worldspawn.clone();
+        entities[0] = worldspawn;
+        extremes::limit(&mut entities, &mut warnings);
+        let worldspawn = entities[0].clone();
         let mut world = WorldSettings::read(&worldspawn, &mut warnings);
         let mut keys = sidecar::texinfo_keys(sidecar.texinfo, bsp.texinfos.len(), &mut warnings);
         let contents: Vec<i32> = bsp.leafs.iter().map(|l| l.contents).collect();

@@ -13,7 +13,7 @@ pub(crate) fn number(text: &str) -> Option<f32> {
 }
 
 /// Bytes of the longest prefix that is a decimal floating point number.
-fn number_length(b: &[u8]) -> usize {
+pub(crate) fn number_length(b: &[u8]) -> usize {
     let digits = |from: usize| b[from..].iter().take_while(|c| c.is_ascii_digit()).count();
     let mut i = usize::from(matches!(b.first(), Some(b'+' | b'-')));
     let whole = digits(i);

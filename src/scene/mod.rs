@@ -8,6 +8,7 @@ mod dirt;
 mod entity_lights;
 pub(crate) mod exact;
 pub mod export;
+mod extremes;
 mod face_reader;
 mod filter;
 mod first_hit;

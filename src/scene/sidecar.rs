@@ -1,6 +1,7 @@
 //! The files that `qbsp` writes beside a map (contract section 1.5): `<map>.texinfo.json` with the
 //! keys of brush entities that the BSP cannot hold, and `<map>.content.json` with exact leaf contents.
 
+use super::extremes::limited_number;
 use glam::Vec3;
 use serde_json::Value;
 
@@ -142,16 +143,14 @@ pub(crate) fn texinfo_keys(
 
 fn read_keys(value: &Value) -> TexInfoKeys {
     let flag = |name: &str| value.get(name).and_then(Value::as_bool);
-    let number = |name: &str| {
-        value.get(name).and_then(Value::as_f64).map(|v| v as f32).filter(|v| v.is_finite())
-    };
+    let number = |name: &str| value.get(name).and_then(Value::as_f64).map(limited_number);
     let integer = |name: &str| value.get(name).and_then(Value::as_i64).map(|v| v as i32);
     let colour = |name: &str| {
         let channels = value.get(name)?.as_array()?;
-        let mut c = channels.iter().map(|v| v.as_f64().map(|v| v as f32));
+        let mut c = channels.iter().map(|v| v.as_f64().map(limited_number));
         match [c.next()??, c.next()??, c.next()??] {
             [0.0, 0.0, 0.0] => None,
-            c => Some(Vec3::from(c)).filter(|c| c.is_finite()),
+            c => Some(Vec3::from(c)),
         }
     };
     let name = value.get("surflight_targetname").and_then(Value::as_str).filter(|n| !n.is_empty());

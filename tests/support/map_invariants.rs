@@ -1,8 +1,10 @@
 //! What holds for every map, whatever its shape: checked on what a run makes.
 
 use super::lit_map::Prepared;
+use super::map_energy::MapSums;
 use glam::Vec3;
 use qrad::bsp::{Bsp, write_entities};
+use qrad::lightmap::Gather;
 use qrad::progress::Progress;
 use qrad::radiosity::hemicube::HemicubeSize;
 use qrad::scene::Sidecar;
@@ -12,13 +14,24 @@ use qrad::{MapLight, light_bsp};
 /// Row sums are exact but for sums of weights in single precision.
 const ROW_SUM: f64 = 1e-4;
 
+/// Rounding of exitances to single precision, relative to the largest.
+const SINGLE: f64 = 1e-6;
 /// What is known about a map.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 pub struct Expect {
     /// Every patch sees lit faces wherever it looks.
     pub closed: bool,
     /// Some lights subtract: light may be below zero.
     pub negative: bool,
+    /// How far absorbed and escaped light may be off, as share of the first reflected light.
+    pub energy: f64,
+    /// The same for reciprocity between planes.
+    pub asymmetry: f64,
+}
+
+impl Expect {
+    pub const OPEN: Self = Self { closed: false, negative: false, energy: 0.02, asymmetry: 0.02 };
+    pub const CLOSED: Self = Self { closed: true, ..Self::OPEN };
 }
 
 /// Settings that light a small map in a moment.
@@ -84,6 +97,19 @@ fn check_rows(case: &str, map: &Bsp, expect: Expect, settings: Settings) {
     }
     println!("{case}: {} patches, row sums from {low:.5}", transfers.rows());
     assert!(!expect.closed || low >= 1.0 - ROW_SUM, "{case}: closed, a row sums to {low}");
+    if !expect.negative {
+        let lit = prepared.light(Gather::Interpolate);
+        let sums = MapSums::new(&prepared, &lit);
+        println!("{case}: {sums:?}");
+        let left = lit.bounced.residual + SINGLE;
+        assert!(sums.residual <= left, "{case}: one more pass adds {}", sums.residual);
+        assert!(
+            sums.asymmetry <= expect.asymmetry,
+            "{case}: reciprocity is off by {}",
+            sums.asymmetry
+        );
+        assert!(sums.imbalance <= expect.energy, "{case}: energy is off by {}", sums.imbalance);
+    }
 }
 
 /// Every light is a tenth brighter: no luxel has less.

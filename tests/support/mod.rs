@@ -10,6 +10,7 @@ pub mod lit_light;
 pub mod lit_map;
 pub mod lit_room;
 pub mod map_builder;
+pub mod map_energy;
 pub mod map_invariants;
 pub mod polygons;
 pub mod program;
