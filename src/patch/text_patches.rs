@@ -20,19 +20,24 @@ pub struct TextPatches {
 }
 
 impl TextPatches {
-    /// Moves the scene's middle to the origin, since single precision is finest there.
+    /// Moves the scene's middle to the origin, since single precision is finest there, and scales it by a
+    /// power of two to a size of about 1, since products of tiny or huge lengths leave its range. Form
+    /// factors do not depend on scale; lengths and areas here are in these units.
     pub fn new(scene: &TextScene) -> Self {
         let corners = || scene.patches.iter().flat_map(|q| q.vertices);
         let low = corners().fold(DVec3::INFINITY, DVec3::min);
         let high = corners().fold(DVec3::NEG_INFINITY, DVec3::max);
         let middle = (low + high) * 0.5;
-        let lift = LIFT * (high - low).max_element();
+        let extent = (high - low).max_element();
+        let scale = if extent > 0.0 { (-extent.log2().round()).exp2() } else { 1.0 };
+        let place = |v: DVec3| (v - middle) * scale;
+        let lift = LIFT * extent * scale;
         let vec3 = |c: [f64; 3]| DVec3::from_array(c).as_vec3();
         let polygons = scene
             .patches
             .iter()
             .map(|q| Polygon {
-                vertices: q.vertices.map(|v| (v - middle).as_vec3()).to_vec(),
+                vertices: q.vertices.map(|v| place(v).as_vec3()).to_vec(),
                 normal: q.unit_normal().as_vec3(),
             })
             .collect();
@@ -43,15 +48,14 @@ impl TextPatches {
                 let (area, centroid) = moments(q);
                 let normal = q.unit_normal();
                 Patch {
-                    eye: (centroid - middle + normal * lift).as_vec3(),
+                    eye: (place(centroid) + normal * lift).as_vec3(),
                     normal: normal.as_vec3(),
-                    area: area as f32,
+                    area: (area * scale * scale) as f32,
                     reflectance: Reflectance(vec3(q.reflectance)),
                 }
             })
             .collect();
-        let outlines =
-            scene.patches.iter().map(|q| q.vertices.map(|v| v - middle).to_vec()).collect();
+        let outlines = scene.patches.iter().map(|q| q.vertices.map(place).to_vec()).collect();
         let whole = (0..scene.patches.len()).map(|i| PolygonPatches::Whole(PatchId(i as u32)));
         Self {
             tracer: Tracer::new(polygons),

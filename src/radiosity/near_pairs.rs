@@ -10,7 +10,7 @@ use super::transfers::Gatherer;
 use super::view_pairs::{Pair, balance};
 use super::visibility::Occluders;
 use crate::patch::{PatchId, PatchSet};
-use glam::DVec2;
+use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 use std::f64::consts::PI;
 
@@ -30,6 +30,8 @@ pub struct NearLimits {
 /// The patches of a scene as polygons, and what may hide them from each other.
 pub struct NearPairs<'a> {
     shapes: Vec<Shape<'a>>,
+    /// How many patches are in the place of each, itself included: one eye sees only one of them.
+    copies: Vec<u32>,
     occluders: Occluders,
     lift: f64,
     importance: Importance,
@@ -79,12 +81,21 @@ impl<'a> NearPairs<'a> {
             (p.eye.as_dvec3() - s.centre).dot(s.normal).abs()
         };
         let lift = patches.patches.iter().zip(&shapes).map(above).fold(0.0, f64::max);
+        let copies = copies(&shapes, lift);
         let shapes = if occluders.is_empty() {
             shapes
         } else {
             shapes.into_par_iter().map(|shape| shape.uncovered(&occluders, lift)).collect()
         };
-        Self { shapes, occluders, lift, importance, limits, cell: TYPICAL_CELL / cells as f64 }
+        Self {
+            shapes,
+            copies,
+            occluders,
+            lift,
+            importance,
+            limits,
+            cell: TYPICAL_CELL / cells as f64,
+        }
     }
 
     /// Buffers for [`Self::improve`].
@@ -312,6 +323,33 @@ impl<'a> NearPairs<'a> {
             rays: rays as u32,
             seed: (i * 31 + j) as u64,
         };
-        facing.factor((&self.shapes[i], &self.shapes[j]), &self.occluders, self.lift, precision)
+        let pair = (&self.shapes[i], &self.shapes[j]);
+        let share = 1.0 / f64::from(self.copies[j]);
+        let found = facing.factor(pair, &self.occluders, self.lift, precision);
+        found.map(|(factor, sigma)| (factor * share, sigma * share))
     }
+}
+
+/// Number of patches that look the same way from the same place, for each patch; places nearer than
+/// `slack` are the same.
+fn copies(shapes: &[Shape<'_>], slack: f64) -> Vec<u32> {
+    // In no plane that scenes have.
+    const ACROSS: DVec3 = DVec3::new(0.5257, 0.6881, 0.5);
+    let mut order: Vec<(f64, usize)> =
+        shapes.iter().enumerate().map(|(i, s)| (s.centre.dot(ACROSS), i)).collect();
+    order.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+    let mut copies = vec![1; shapes.len()];
+    for (k, &(place, i)) in order.iter().enumerate() {
+        for &(_, j) in order[k + 1..].iter().take_while(|o| o.0 - place <= 2.0 * slack) {
+            let (a, b) = (&shapes[i], &shapes[j]);
+            if a.centre.distance(b.centre) <= slack
+                && a.normal.dot(b.normal) > 1.0 - 1e-6
+                && (a.area - b.area).abs() <= 1e-6 * a.area
+            {
+                copies[i] += 1;
+                copies[j] += 1;
+            }
+        }
+    }
+    copies
 }
