@@ -14,6 +14,8 @@ use std::collections::HashMap;
 const TRUST: f32 = 0.5;
 /// Limits of the reach in world units, if points are not farther apart.
 const REACH: [f32; 2] = [16.0, 128.0];
+/// A gap of a few units ends its points' reach, which is at most this many times its width.
+const GAP: f32 = 8.0;
 /// How much a difference of normals counts: this times sqrt(1 - cosine) is added to the distance,
 /// relative to the reach.
 const BEND: f32 = 3.0;
@@ -33,9 +35,10 @@ pub(super) struct Known {
 impl Known {
     /// `openness` is the harmonic mean distance to what is seen from the point, `apart` the distance of
     /// such points. They reach each other: where none did, those farther off would be taken for all there
-    /// is, and light that gathers in a corner would be missed between the points.
+    /// is, and light that gathers in a corner would be missed between the points. Points in a gap do not
+    /// reach out of it.
     pub fn new(position: Vec3, normal: Vec3, openness: f32, apart: f32) -> Self {
-        let low = apart.clamp(REACH[0], REACH[1]);
+        let low = apart.min(GAP * openness).clamp(REACH[0], REACH[1]);
         Self { position, normal, reach: (TRUST * openness).clamp(low, REACH[1]) }
     }
 }
