@@ -58,7 +58,9 @@ fn coincident_patches_keep_every_invariant_and_rows_sum_to_one() {
     // Twice the same side, twice the other side: each pair is one surface listed twice.
     quads.extend(plate(at, DVec3::X, DVec3::Y, 2, GREY));
     quads.extend(plate(at, DVec3::X, DVec3::Y, 2, GREY));
-    hold("coincident plates", &quads, Expect::default());
+    // Each copy takes all light that falls on the place, but only one is seen to send it back: what the
+    // place absorbs counts twice, and pairs with it are not reciprocal.
+    hold("coincident plates", &quads, Expect { noise: 0.05, asymmetry: 0.05, ..Expect::default() });
 }
 
 #[test]

@@ -210,7 +210,7 @@ fn a_slit_one_unit_wide_keeps_every_invariant_and_is_no_black_gap() {
         .solid_texture("wall", 8)
         .pillar([0.0, 70.0, 0.0], [96.0, 90.0, 128.0], 0)
         .pillar([97.0, 70.0, 0.0], [193.0, 90.0, 128.0], 0)
-        .entities(light("96 30 64", "300"))
+        .entities(light("96.5 30 64", "300"))
         .build(Format::Bsp29);
     // Eyes in the slit see its other side half a unit away: cells are few and large there.
     let light = hold("slit", &map, Expect { energy: 0.03, asymmetry: 0.08, ..CLOSED });

@@ -22,7 +22,7 @@ pub struct TextPatches {
 impl TextPatches {
     /// Moves the scene's middle to the origin, since single precision is finest there, and scales it by a
     /// power of two to a size of about 1, since products of tiny or huge lengths leave its range. Form
-    /// factors do not depend on scale; lengths and areas here are in these units.
+    /// factors do not depend on scale; areas of patches stay as they are.
     pub fn new(scene: &TextScene) -> Self {
         let corners = || scene.patches.iter().flat_map(|q| q.vertices);
         let low = corners().fold(DVec3::INFINITY, DVec3::min);
@@ -50,7 +50,7 @@ impl TextPatches {
                 Patch {
                     eye: (place(centroid) + normal * lift).as_vec3(),
                     normal: normal.as_vec3(),
-                    area: (area * scale * scale) as f32,
+                    area: area as f32,
                     reflectance: Reflectance(vec3(q.reflectance)),
                 }
             })
