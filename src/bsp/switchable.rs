@@ -34,12 +34,12 @@ pub fn rewrite_entities(lump: &[u8], styles: StyleRange) -> Result<(Vec<Entity>,
 
 /// Makes the changes to entities that a light compiler writes back, and tells whether there were any:
 ///
-/// 1. `lightmap_scale` becomes `_lightmap_scale`.
-/// 2. Entities whose classname begins with `light` and that have a `targetname` get the `style` of
+/// 1. In values, `\b` goes and toggles bold letters (128 is added to their codes).
+/// 2. `lightmap_scale` becomes `_lightmap_scale`.
+/// 3. Entities whose classname begins with `light` and that have a `targetname` get the `style` of
 ///    that name: the first of `styles` for the first name, and so on, in entity order.
-/// 3. Entities with `_switchableshadow` 1 get `switchshadstyle` in the same way; without a targetname,
+/// 4. Entities with `_switchableshadow` 1 get `switchshadstyle` in the same way; without a targetname,
 ///    a style of their own.
-/// 4. In values, `\b` goes and toggles bold letters (128 is added to their codes).
 ///
 /// A second run finds nothing to change.
 ///
@@ -47,6 +47,12 @@ pub fn rewrite_entities(lump: &[u8], styles: StyleRange) -> Result<(Vec<Entity>,
 /// `Limit` if more styles are needed than there are.
 pub fn normalise(entities: &mut [Entity], styles: StyleRange) -> Result<bool> {
     let before = entities.to_vec();
+    // First, as it may change names.
+    for (_, value) in entities.iter_mut().flat_map(Entity::pairs_mut) {
+        if value.contains("\\b") {
+            *value = embolden(value);
+        }
+    }
     let mut styles = Styles { by_name: HashMap::new(), next: styles.first, limit: styles.limit };
     for entity in entities.iter_mut() {
         if let Some(scale) = entity.remove("lightmap_scale") {
@@ -61,11 +67,6 @@ pub fn normalise(entities: &mut [Entity], styles: StyleRange) -> Result<bool> {
         }
         if is_one(entity.get("_switchableshadow").unwrap_or("")) {
             entity.set("switchshadstyle", styles.of(&name)?.to_string());
-        }
-    }
-    for (_, value) in entities.iter_mut().flat_map(Entity::pairs_mut) {
-        if value.contains("\\b") {
-            *value = embolden(value);
         }
     }
     Ok(entities != before)
@@ -111,20 +112,41 @@ impl Styles {
 
 /// Removes each `\b` and sets the high bit of every second stretch between them.
 fn embolden(value: &str) -> String {
-    let stretches = value.split("\\b").enumerate();
-    stretches
-        .flat_map(|(index, stretch)| {
-            stretch.chars().map(move |c| match u8::try_from(u32::from(c)) {
-                Ok(byte) if index % 2 == 1 => char::from(byte | 128),
-                _ => c,
-            })
-        })
-        .collect()
+    let (mut out, mut bold, mut escape) = (String::new(), false, false);
+    for c in value.chars() {
+        // A plain backslash may also come to stand before a plain b when a mark between them goes.
+        let joined = !bold && out.ends_with('\\');
+        if c == 'b' && (escape || joined) {
+            out.pop();
+            bold = !bold;
+            escape = false;
+            continue;
+        }
+        escape = c == '\\';
+        match u8::try_from(u32::from(c)) {
+            Ok(byte) if bold => out.push(char::from(byte | 128)),
+            _ => out.push(c),
+        }
+    }
+    out
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn marks_that_appear_when_others_go_are_marks_too() {
+        for value in ["\\\\bb", "x\\\\b\\bb", "\\b\\\\bb", "\\\\\\bbb", "\\b\\b1", "\\b"] {
+            let text = format!(
+                "{{ \"classname\" \"light\" \"targetname\" \"{value}\" \
+                 \"_switchableshadow\" \"{value}\" }}"
+            );
+            let mut entities = parse_entities(text.as_bytes()).unwrap();
+            normalise(&mut entities, StyleRange::default()).unwrap();
+            assert!(!normalise(&mut entities, StyleRange::default()).unwrap(), "{value}");
+        }
+    }
 
     fn rewritten(text: &str) -> String {
         let (_, lump) = rewrite_entities(text.as_bytes(), StyleRange::default()).unwrap();
