@@ -113,8 +113,8 @@ pub struct MapLight {
     pub counts: Counts,
 }
 
-/// Lights a map: replaces the lighting of `bsp`, unless only a `.lit` file for it is asked for. `sidecar` is what qbsp wrote beside it, `textures`
-/// are those that the map may lack.
+/// Lights a map: replaces the lighting of `bsp`, unless only a `.lit` file for it is asked for.
+/// `sidecar` is what qbsp wrote beside it, `textures` are those that the map may lack.
 ///
 /// # Errors
 /// When the entity text is damaged or something is too large for the format.
