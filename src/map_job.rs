@@ -255,7 +255,7 @@ fn textures(cli: &Cli, map: &Path, bsp: &Bsp) -> anyhow::Result<Vec<MipTex>> {
 }
 
 /// Replaces the map and the files beside it. With a new map, stale files of the kinds that there are
-/// not to be go.
+/// not to be go. A device or a pipe gets the map alone.
 fn write_files(
     path: &Path,
     bsp: &Bsp,
@@ -263,6 +263,10 @@ fn write_files(
     outputs: &Outputs,
 ) -> qrad::Result<Vec<PathBuf>> {
     let map = if outputs.writes_map() { Some(bsp.write()?) } else { None };
+    if let Some(map) = map.as_ref().filter(|_| output::is_special(path)) {
+        output::write(path, map)?;
+        return Ok(vec![path.to_path_buf()]);
+    }
     let lux = |name| files.lux.as_ref().filter(|_| outputs.lux.extension() == Some(name));
     let kinds = DirectionFile::EXTENSIONS.map(|name| (name, lux(name)));
     let (mut written, mut stale) = (Vec::new(), Vec::new());

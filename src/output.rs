@@ -1,7 +1,10 @@
-//! Files that are whole or not there: written beside their place under another name, then renamed.
+//! Files that are whole or not there: written beside their place under another name, then renamed. What
+//! is no plain file, a device or a pipe, is written into; a link stays and its file is replaced.
 
 use crate::{Error, Result};
 use image::{ImageFormat, RgbImage};
+use std::borrow::Cow;
+use std::fs::File;
 use std::io::{self, Cursor, Write};
 use std::path::{Path, PathBuf};
 use tempfile::NamedTempFile;
@@ -20,12 +23,30 @@ pub fn write(path: &Path, bytes: &[u8]) -> Result<()> {
 /// When a folder cannot be written to.
 pub fn write_all(files: &[(&Path, &[u8])]) -> Result<()> {
     files.iter().try_for_each(|(path, _)| check_replaceable(path))?;
-    let written: Vec<_> =
-        files.iter().map(|(path, bytes)| write_beside(path, bytes)).collect::<Result<_>>()?;
-    for (file, (path, _)) in written.into_iter().zip(files) {
-        file.persist(path).map_err(|e| Error::io("replace", path)(e.error))?;
+    let (plain, special): (Vec<_>, Vec<_>) = files.iter().partition(|(path, _)| !is_special(path));
+    let written: Vec<_> = plain
+        .iter()
+        .map(|(path, bytes)| write_beside(&followed(path), bytes))
+        .collect::<Result<_>>()?;
+    for (path, bytes) in special {
+        let mut into = File::options().write(true).open(path).map_err(Error::io("write", path))?;
+        into.write_all(bytes).map_err(Error::io("write", path))?;
+    }
+    for (file, (path, _)) in written.into_iter().zip(plain) {
+        file.persist(followed(path)).map_err(|e| Error::io("replace", path)(e.error))?;
     }
     Ok(())
+}
+
+/// Whether something is there that a file must not take the place of, such as `/dev/null`.
+pub fn is_special(path: &Path) -> bool {
+    path.metadata().is_ok_and(|m| !m.is_file() && !m.is_dir())
+}
+
+/// The file that a link leads to; any other path as it is.
+fn followed(path: &Path) -> Cow<'_, Path> {
+    let link = path.is_symlink().then(|| path.canonicalize().ok()).flatten();
+    link.map_or(Cow::Borrowed(path), Cow::Owned)
 }
 
 /// Whether a file can take this place, as far as that can be told before writing: it cannot replace a
@@ -73,7 +94,10 @@ fn place(path: &Path) -> PathBuf {
 /// When the folder is not there or cannot be written to, or a folder has the place of the file.
 pub fn check_writable(path: &Path) -> Result<()> {
     check_replaceable(path)?;
-    write_beside(path, &[]).map(drop)
+    if is_special(path) {
+        return Ok(());
+    }
+    write_beside(&followed(path), &[]).map(drop)
 }
 
 /// The same for a folder that is made if it is not there.
@@ -127,11 +151,14 @@ pub fn write_png(path: &Path, picture: &RgbImage) -> Result<()> {
     write(path, bytes.get_ref())
 }
 
-/// Removes a file if it is there.
+/// Removes a file if it is there; a device or a pipe stays.
 ///
 /// # Errors
 /// When it is there and cannot be removed.
 pub fn remove(path: &Path) -> Result<()> {
+    if is_special(path) {
+        return Ok(());
+    }
     match std::fs::remove_file(path) {
         Err(e) if e.kind() != std::io::ErrorKind::NotFound => Err(Error::io("remove", path)(e)),
         _ => Ok(()),
