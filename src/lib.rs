@@ -4,6 +4,7 @@
 //! Both read as the algorithm; each line is a stage that lives in a room of its own.
 
 pub mod bsp;
+pub mod check;
 pub mod cli;
 pub mod engine;
 pub mod error;
@@ -27,6 +28,7 @@ pub use error::{Error, Result};
 pub use store::Files;
 
 use bsp::{Bsp, MipTex};
+use check::{Energy, Findings};
 use lightmap::FinishedFace;
 use outputs::Scope;
 use patch::{MAX_REFLECTANCE, TextPatches, TextScene};
@@ -111,6 +113,8 @@ pub struct MapLight {
     pub files: Files,
     /// What the run counted.
     pub counts: Counts,
+    /// How far off its bounced light is, and where that light goes, if that was checked.
+    pub checked: (Option<Findings>, Option<Energy>),
 }
 
 /// Lights a map: replaces the lighting of `bsp`, unless only a `.lit` file for it is asked for.
@@ -134,8 +138,8 @@ pub fn light_bsp(
     let mut direct = stage::direct(&scene, points.samples(), settings, progress);
     let patches = stage::patches(&scene, &points.luxels, settings, progress);
     let transfers = stage::transfers(&scene, &patches, settings, progress);
-    let bounced =
-        stage::bounce(&scene, &patches, &transfers, (&points, &direct), settings, progress);
+    let shining = stage::shining(&scene, &patches, (&points, &direct), settings);
+    let bounced = stage::bounce(&scene, &patches, &transfers, &shining, settings, progress);
     let sources = lightmap::Sources {
         scene: &scene,
         patches: &patches,
@@ -143,6 +147,8 @@ pub fn light_bsp(
         light: &bounced.styles,
     };
     let indirect = stage::gather(sources, &points.luxels, settings, progress);
+    let checked = stage::check(sources, &shining, &points.luxels, &indirect, settings, progress);
+    drop(shining);
     let counts = Counts::new(&scene, &direct, &patches, &transfers, &bounced, &indirect);
     stage::directions(sources, &points.luxels, &indirect, &mut direct, settings);
     let faces = if let Some(view) = settings.debug {
@@ -162,7 +168,7 @@ pub fn light_bsp(
     if let Some(unchanged) = unchanged {
         *bsp = unchanged;
         let store::LitOnly { rgb, files } = store::lit_only(bsp, &scene, &faces, outputs)?;
-        return Ok(MapLight { scene, faces, rgb: Some(rgb), files, counts });
+        return Ok(MapLight { scene, faces, rgb: Some(rgb), files, counts, checked });
     }
     let copies = outputs.vanilla && outputs.writes_map();
     let vanilla = lightmap::vanilla_copies(&scene, &faces, copies);
@@ -170,5 +176,5 @@ pub fn light_bsp(
     bsp.bspx.extend(stage::light_grid(&scene, &patches, &bounced, progress)?);
     let files = store::store(bsp, &packed, &scene, outputs)?;
     let rgb = packed.coloured.then_some(packed.rgb);
-    Ok(MapLight { scene, faces, rgb, files, counts })
+    Ok(MapLight { scene, faces, rgb, files, counts, checked })
 }

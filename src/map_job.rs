@@ -105,6 +105,7 @@ pub fn run(
         }
         let mut report = Report::new();
         lit.counts.print(&mut report);
+        report.accuracy(&lit.checked);
         report.resources(&progress.stages(), start.elapsed());
         for file in written {
             report.row("written", file.display());

@@ -1,5 +1,6 @@
 //! The table at the end of a run.
 
+use crate::check::{Energy, Findings};
 use crate::light::DirectLight;
 use crate::patch::MapPatches;
 use crate::radiosity::bounce::Bounced;
@@ -110,6 +111,32 @@ impl Report {
             grouped.push(d);
         }
         self.row(name, grouped);
+    }
+
+    /// Adds what a check found out, if there was one.
+    pub fn accuracy(&mut self, (findings, energy): &(Option<Findings>, Option<Energy>)) {
+        if let Some(f) = findings {
+            self.row("estimated error", f.text());
+            self.row(
+                "  bias",
+                format!(
+                    "{:+.2} %, {:+.1} % by rays alone",
+                    100.0 * (f.bias - 1.0),
+                    100.0 * (f.bias_by_rays - 1.0)
+                ),
+            );
+            self.row("  checked", format!("{} of {}", f.points, f.of));
+            if let Some(odd) = f.odd_text() {
+                self.row("  far off", odd);
+            }
+        }
+        if let Some(e) = energy {
+            self.row(
+                "energy balance",
+                format!("{:.2} % of the light sent to patches arrives", 100.0 * e.balance),
+            );
+            self.row("  meets none", format!("{:.2} %", 100.0 * e.lost));
+        }
     }
 
     /// Adds a row a stage, in seconds, their sum, and the peak memory.

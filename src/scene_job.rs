@@ -5,7 +5,7 @@ use qrad::cli::Cli;
 use qrad::patch::{TextScene, decode};
 use qrad::progress::Progress;
 use qrad::report::Report;
-use qrad::{light_patches_with, output};
+use qrad::{check, light_patches_with, output};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
@@ -25,6 +25,13 @@ pub fn run(cli: &Cli, path: &Path, visible: bool, writing: &Mutex<()>) -> anyhow
     }
     let progress = Progress::new(visible);
     let (transfers, solution) = light_patches_with(&scene, cli.near(), &progress)?;
+    let checked = if cli.accuracy.no_check {
+        (None, None)
+    } else {
+        let end = Instant::now() + check::budget(progress.elapsed());
+        let _stage = progress.stage("check", 1);
+        check::check_patches(&scene, &transfers, &solution, end)
+    };
     let exitance: Vec<[f64; 3]> =
         solution.exitance.iter().map(|m| m.0.as_dvec3().to_array()).collect();
     let text = scene.lit(&exitance).to_text();
@@ -43,6 +50,7 @@ pub fn run(cli: &Cli, path: &Path, visible: bool, writing: &Mutex<()>) -> anyhow
     report.row("passes", format!("{} of at most {}", solution.passes, scene.passes));
     report.row("residual", format!("{:.1e}", solution.residual));
     report.row("ended", if solution.settled { "nothing left to send" } else { "passes used up" });
+    report.accuracy(&checked);
     report.resources(&progress.stages(), start.elapsed());
     report.row("written", if to_stdout { "-".into() } else { target.display().to_string() });
     // The scene has standard output for itself.

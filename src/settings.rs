@@ -103,6 +103,8 @@ pub struct Settings {
     pub debug: Option<DebugView>,
     /// What is written.
     pub outputs: Outputs,
+    /// Some luxels are lit again to tell how far off bounced light is.
+    pub check: bool,
 }
 
 impl Default for Settings {
@@ -130,6 +132,7 @@ impl Settings {
             overrides: Vec::new(),
             debug: None,
             outputs: Outputs::default(),
+            check: true,
         }
     }
 

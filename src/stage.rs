@@ -2,9 +2,10 @@
 
 use crate::Result;
 use crate::bsp::BspxLump;
+use crate::check::{self, Energy, Findings};
 use crate::light::{self, DirectLight, Directions, Probe, StyleLight};
 use crate::lightmap::{self, DebugSources, DebugView, FinishedFace};
-use crate::patch::MapPatches;
+use crate::patch::{Emission, MapPatches};
 use crate::progress::Progress;
 use crate::radiosity::bounce::{self, Bounced};
 use crate::radiosity::solve::Limits;
@@ -13,6 +14,7 @@ use crate::scene::{Sample, Scene, luxels};
 use crate::settings::Settings;
 use rayon::prelude::*;
 use std::borrow::Cow;
+use std::time::Instant;
 
 /// The points of every surface that take light.
 pub(crate) struct Points {
@@ -98,20 +100,27 @@ pub(crate) fn transfers(
     Transfers::compute(scene.bounce_tracer(), &patches.set, settings.hemicube, |n| stage.advance(n))
 }
 
-/// Final light of the patches in every style.
-pub(crate) fn bounce(
+/// Light of the patches before any bounce.
+#[derive(Default)]
+pub(crate) struct Shining<'a> {
+    /// Direct light at the luxels of each surface, as it bounces.
+    arriving: Vec<Cow<'a, [StyleLight]>>,
+    /// What patches give off.
+    emission: Vec<Emission>,
+}
+
+/// What is to bounce.
+pub(crate) fn shining<'a>(
     scene: &Scene,
     patches: &MapPatches,
-    transfers: &Transfers,
-    (points, direct): (&Points, &[DirectLight]),
+    (points, direct): (&Points, &'a [DirectLight]),
     settings: &Settings,
-    progress: &Progress,
-) -> Bounced {
+) -> Shining<'a> {
     if patches.set.patches.is_empty() {
-        return Bounced::default();
+        return Shining::default();
     }
     let rules = &scene.world.bounce;
-    let arriving: Vec<Cow<'_, [StyleLight]>> = direct
+    let arriving = direct
         .iter()
         .zip(points.samples())
         .zip(&scene.surfaces)
@@ -123,9 +132,24 @@ pub(crate) fn bounce(
         .collect();
     let mut emission = patches.emission(&scene.emitters);
     bounce::rule_emission(&mut emission, rules);
-    let stage = progress.stage("bounces", bounce::styles(&arriving, &emission).len());
-    let limits = Limits { passes: rules.most, residual: settings.residual };
-    bounce::bounce(patches, transfers, &arriving, &emission, limits, |n| stage.advance(n))
+    Shining { arriving, emission }
+}
+
+/// Final light of the patches in every style.
+pub(crate) fn bounce(
+    scene: &Scene,
+    patches: &MapPatches,
+    transfers: &Transfers,
+    Shining { arriving, emission }: &Shining<'_>,
+    settings: &Settings,
+    progress: &Progress,
+) -> Bounced {
+    if patches.set.patches.is_empty() {
+        return Bounced::default();
+    }
+    let stage = progress.stage("bounces", bounce::styles(arriving, emission).len());
+    let limits = Limits { passes: scene.world.bounce.most, residual: settings.residual };
+    bounce::bounce(patches, transfers, arriving, emission, limits, |n| stage.advance(n))
 }
 
 /// Indirect light at luxels.
@@ -147,6 +171,32 @@ pub(crate) fn gather(
     let how = settings.gathering();
     let (maps, hemicubes) = lightmap::indirect(sources, samples, how, |n| stage.advance(n));
     Gathered { maps, hemicubes }
+}
+
+/// How far off the bounced light is, if that is wanted and there is any.
+pub(crate) fn check(
+    sources: lightmap::Sources<'_>,
+    shining: &Shining<'_>,
+    luxels: &[Vec<Sample>],
+    gathered: &Gathered,
+    settings: &Settings,
+    progress: &Progress,
+) -> (Option<Findings>, Option<Energy>) {
+    if !settings.check || sources.light.is_empty() {
+        return (None, None);
+    }
+    let end = Instant::now() + check::budget(progress.elapsed());
+    let _stage = progress.stage("check", 1);
+    let run = check::Run {
+        sources,
+        samples: luxels,
+        arriving: &shining.arriving,
+        emission: &shining.emission,
+        found: &gathered.maps,
+        bounces: sources.scene.world.bounce.most,
+        hemicube: settings.hemicube,
+    };
+    check::check_luxels(&run, end)
 }
 
 /// Where bounced light comes from, if that is wanted, added to `direct`.

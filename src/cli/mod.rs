@@ -1,8 +1,10 @@
 //! The command line of `qrad`.
 
+mod accuracy;
 mod outputs;
 mod values;
 
+pub use accuracy::AccuracyArgs;
 pub use outputs::{GridFormatArg, OutputArgs};
 pub use values::{BounceCount, GatherArg, NearFieldArg, SurfaceLightsArg};
 
@@ -161,6 +163,10 @@ pub struct Cli {
     )]
     pub preview_size: String,
 
+    /// What is told of errors and times
+    #[command(flatten)]
+    pub accuracy: AccuracyArgs,
+
     /// Threads to use; the result does not depend on it [default: all cores]
     #[arg(long, value_name = "N")]
     pub threads: Option<usize>,
@@ -215,6 +221,7 @@ impl Cli {
             overrides,
             debug: self.debug,
             outputs: self.outputs.outputs(),
+            check: !self.accuracy.no_check,
         }
         .checked()
     }

@@ -128,6 +128,15 @@ impl Transfers {
         (&chunk.columns[from..to], &chunk.weights[from..to])
     }
 
+    /// Damage for tests: patch `row` sees nothing.
+    #[cfg(test)]
+    pub(crate) fn clear_row(&mut self, row: usize) {
+        let chunk = &mut self.chunks[row / CHUNK];
+        let i = row % CHUNK;
+        let from = if i == 0 { 0 } else { chunk.ends[i - 1] as usize };
+        chunk.weights[from..chunk.ends[i] as usize].fill(0.0);
+    }
+
     /// Harmonic mean distance to what patch `row` sees, see [`Gatherer::openness`].
     pub fn openness(&self, row: usize) -> f32 {
         self.chunks[row / CHUNK].openness[row % CHUNK]
