@@ -5,6 +5,7 @@ use crate::lightmap::{DebugView, Gather, GatherSettings, Smoothing};
 use crate::outputs::Outputs;
 use crate::radiosity::hemicube::HemicubeSize;
 use crate::radiosity::near_pairs::NearLimits;
+use crate::scene::effects::{Effect, Switches};
 use crate::scene::{SceneSettings, style_range};
 use crate::{Error, Result};
 
@@ -103,6 +104,8 @@ pub struct Settings {
     pub debug: Option<DebugView>,
     /// What is written.
     pub outputs: Outputs,
+    /// Effects switched on or off by hand.
+    pub switches: Switches,
 }
 
 impl Default for Settings {
@@ -130,7 +133,31 @@ impl Settings {
             overrides: Vec::new(),
             debug: None,
             outputs: Outputs::default(),
+            switches: Switches::default(),
         }
+    }
+
+    /// Makes of the switches what is no matter of the scene.
+    pub fn switched(mut self) -> Self {
+        let of = |effect| self.switches.of(effect);
+        match of(Effect::Supersampling) {
+            Some(true) if self.smoothing.extra == 1 => self.smoothing.extra = 4,
+            Some(false) => self.smoothing = Smoothing { extra: 1, soft: 0 },
+            _ => {}
+        }
+        match of(Effect::NearField) {
+            Some(true) => self.gather_error = self.gather_error.min(Quality::Normal.gather_error()),
+            Some(false) => self.gather_error = f64::INFINITY,
+            None => {}
+        }
+        if of(Effect::Bounces) == Some(true) && self.bounces == Some(0) {
+            self.bounces = None;
+        }
+        if of(Effect::Dirt) == Some(true) {
+            self.overrides.push(("dirt".into(), "1".into()));
+        }
+        self.outputs.switch(&self.switches);
+        self
     }
 
     /// The settings, if every value is in its range.
@@ -192,6 +219,7 @@ impl Settings {
             overrides,
             luxels: self.outputs.luxels.clone(),
             extra: self.smoothing.extra,
+            switches: self.switches.clone(),
         }
     }
 }

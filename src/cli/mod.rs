@@ -1,8 +1,10 @@
 //! The command line of `qrad`.
 
+mod effects;
 mod outputs;
 mod values;
 
+pub use effects::EffectArgs;
 pub use outputs::{GridFormatArg, OutputArgs};
 pub use values::{BounceCount, GatherArg, NearFieldArg, SurfaceLightsArg};
 
@@ -117,6 +119,10 @@ pub struct Cli {
     #[command(flatten)]
     pub outputs: OutputArgs,
 
+    /// Which effects are simulated
+    #[command(flatten)]
+    pub effects: EffectArgs,
+
     /// Write the lightmaps as pictures, one PNG a light style, and index.csv, into a folder
     #[arg(long, value_name = "DIR", help_heading = "Pictures")]
     pub dump_lightmaps: Option<PathBuf>,
@@ -215,7 +221,9 @@ impl Cli {
             overrides,
             debug: self.debug,
             outputs: self.outputs.outputs(),
+            switches: self.effects.switches()?,
         }
+        .switched()
         .checked()
     }
 
