@@ -20,7 +20,10 @@ fn texinfo(name: &str) -> String {
 }
 
 fn settings(effects: &str) -> Settings {
-    let switches = Switches::parse(effects).unwrap();
+    let switches = match effects {
+        "" => Switches::default(),
+        text => Switches::parse(text).unwrap(),
+    };
     Settings { switches, ..Settings::default() }.switched().checked().unwrap()
 }
 

@@ -13,9 +13,8 @@ pub struct EffectArgs {
     pub explain: bool,
 
     /// Switch effects on or off, whatever the map calls for, such as +dirt,-suns; `--explain` lists them
-    #[arg(long, value_name = "+ON,-OFF", allow_hyphen_values = true, default_value = "")]
-    #[arg(help_heading = "Effects", hide_default_value = true)]
-    pub effects: String,
+    #[arg(long, value_name = "+ON,-OFF", allow_hyphen_values = true, help_heading = "Effects")]
+    pub effects: Option<String>,
 }
 
 impl EffectArgs {
@@ -24,6 +23,6 @@ impl EffectArgs {
     /// # Errors
     /// When a word cannot be read.
     pub fn switches(&self) -> Result<Switches> {
-        Switches::parse(&self.effects)
+        self.effects.as_deref().map_or(Ok(Switches::default()), Switches::parse)
     }
 }

@@ -33,6 +33,12 @@ impl Switches {
             }
             switches.push((effect, on));
         }
+        if switches.is_empty() {
+            return Err(Error::setting(
+                OPTION,
+                format!("{text:?}: name effects, as in +dirt,-suns"),
+            ));
+        }
         Ok(Self(switches))
     }
 
@@ -91,7 +97,6 @@ mod tests {
         let switches = Switches::parse("+dirt, -suns,-dirt").unwrap();
         assert!(switches.off(Effect::Dirt) && switches.off(Effect::Suns));
         assert_eq!(switches.of(Effect::Lit), None);
-        assert_eq!(Switches::parse("").unwrap(), Switches::default());
     }
 
     #[test]
@@ -99,6 +104,7 @@ mod tests {
         let error = |text| Switches::parse(text).unwrap_err().to_string();
         assert!(error("dirt").contains("+dirt or -dirt"));
         assert!(error("-drit").contains("sky-domes"));
+        assert!(error(" ,").contains("name effects"));
         assert!(error("+suns").contains("_sunlight"));
     }
 }
