@@ -44,16 +44,15 @@ impl PatchGrid {
     /// The patch at luxel coordinates; points outside (by rounding) belong to the nearest block.
     pub fn at(&self, s: f32, t: f32) -> PatchId {
         // `as` saturates: below 0 and NaN become the first interval.
-        let column = self.block_column[(s as usize).min(self.block_column.len() - 1)];
-        let row = self.block_row[(t as usize).min(self.block_row.len() - 1)];
-        self.blocks[row as usize * self.columns + column as usize]
-    }
-
-    /// Number of the luxel interval at luxel coordinates, points outside as for [`at`](Self::at).
-    pub fn interval(&self, s: f32, t: f32) -> u32 {
         let column = (s as usize).min(self.block_column.len() - 1);
         let row = (t as usize).min(self.block_row.len() - 1);
-        self.first_interval + (row * self.block_column.len() + column) as u32
+        self.of_interval(column, row)
+    }
+
+    /// The patch of the luxel interval in a column and a row.
+    pub fn of_interval(&self, column: usize, row: usize) -> PatchId {
+        let (column, row) = (self.block_column[column], self.block_row[row]);
+        self.blocks[row as usize * self.columns + column as usize]
     }
 
     /// The patch at a world point.

@@ -1,6 +1,7 @@
 //! Patches: the pieces of surface between which light is exchanged, from maps and from text scenes.
 
 mod detail;
+mod leaders;
 mod lookup;
 mod polygon2;
 mod subdivide;
