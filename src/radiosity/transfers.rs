@@ -384,13 +384,13 @@ fn for_each_patch(
                         (grid.of_interval(column as usize, row as usize), near.then_some(interval))
                     };
                     let (mut here, mut sum) = (place(first), weights[first]);
-                    for i in first + 1..to {
+                    for (i, weight) in weights.iter().enumerate().take(to).skip(first + 1) {
                         let next = place(i);
                         if next != here {
                             visit(here.0, here.1, sum);
                             (here, sum) = (next, 0.0);
                         }
-                        sum += weights[i];
+                        sum += weight;
                     }
                     visit(here.0, here.1, sum);
                 }
