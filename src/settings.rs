@@ -48,7 +48,11 @@ impl Quality {
 
     /// Cells along the edge of a hemicube, on maps.
     pub fn hemicube(self) -> u32 {
-        if self == Self::Final { 64 } else { 32 }
+        match self {
+            Self::Draft | Self::Normal => 16,
+            Self::High => 32,
+            Self::Final => 64,
+        }
     }
 
     /// Longest edge of a patch in luxels.
@@ -65,8 +69,16 @@ impl Quality {
     pub fn gather_error(self) -> f64 {
         match self {
             Self::Draft => f64::INFINITY,
-            Self::Normal => 0.05,
+            Self::Normal => 0.1,
             Self::High | Self::Final => 0.02,
+        }
+    }
+
+    /// How readily neighbouring patches share a hemicube: see [`Settings::share`].
+    pub fn share(self) -> f32 {
+        match self {
+            Self::Draft | Self::Normal => 0.25,
+            Self::High | Self::Final => 0.0,
         }
     }
 }
@@ -89,6 +101,9 @@ pub struct Settings {
     pub gather: Gather,
     /// Error that interpolation may make, above 0: see [`GatherSettings::error`].
     pub gather_error: f64,
+    /// A patch shares the hemicube of one beside it that is nearer than this share of the harmonic mean
+    /// distance of what that one sees; 0 for none.
+    pub share: f32,
     /// Factor on the reflectance of textures, 0 and up.
     pub reflectance_scale: f32,
     /// Ignore the colour of textures: everything reflects half the light.
@@ -126,6 +141,7 @@ impl Settings {
             smoothing: Smoothing { extra: 1, soft: 0 },
             gather: quality.gather(),
             gather_error: quality.gather_error(),
+            share: quality.share(),
             reflectance_scale: 1.0,
             grey: false,
             compat_bounce: false,

@@ -71,7 +71,7 @@ pub struct Cli {
     #[arg(long, value_enum, default_value_t, requires = "patches", help_heading = "Bounced light")]
     pub near_field: NearFieldArg,
 
-    /// Edge of a hemicube in cells, even: more is finer and slower [default: 32; final: 64]
+    /// Edge of a hemicube in cells, even: more is finer and slower [default: 16; high: 32; final: 64]
     #[arg(long, value_name = "CELLS", help_heading = "Bounced light")]
     pub hemicube: Option<u32>,
 
@@ -211,6 +211,7 @@ impl Cli {
                 Some(GatherArg::Luxel) => Gather::Luxel,
             },
             gather_error: self.quality.gather_error(),
+            share: self.quality.share(),
             reflectance_scale: self.reflectance_scale,
             grey: self.grey,
             compat_bounce: self.compat_bounce,
