@@ -30,8 +30,8 @@ pub struct MapLuxels<'a> {
     lit: &'a Lit<'a>,
     /// Surface and luxel.
     chosen: Vec<(u32, u32)>,
-    /// Exitance of each patch, as the only style.
-    exitance: &'a [Vec<Vec3>],
+    /// Exitance of each patch, all styles added up.
+    exitance: &'a [Vec3],
     /// Bounced irradiance of each patch, all styles added up.
     irradiance: Vec<Vec3>,
     delta: DeltaFormFactors,
@@ -48,18 +48,24 @@ impl MapLuxels<'_> {
 
     /// Irradiance at a point that a fresh hemicube finds in the solution.
     fn gather(&self, gatherer: &mut Gatherer<'_>, (at, normal): (Vec3, Vec3), seed: u64) -> Vec3 {
-        gatherer.look(&View::turned(at, normal, seed));
-        let mut light = Vec::new();
-        gatherer.irradiance(self.exitance, &mut light);
-        let mut sum = light[0].as_vec3();
-        for &(interval, f) in gatherer.intervals() {
-            let (surface, k) = self.run.sources.patches.intervals.place(interval);
-            for style in self.run.sources.light {
-                if let Some(more) = style.detail.get(surface).and_then(|d| d.get(k)) {
-                    sum += *more * f as f32;
+        let Sources { patches, light, .. } = self.run.sources;
+        // Cells beyond this depth are too wide to tell intervals apart.
+        let reach = 0.5 * self.size.width() as f32 * LUXEL;
+        let mut face = (u32::MAX, 0);
+        let mut sum = Vec3::ZERO;
+        gatherer.visit(&View::turned(at, normal, seed), reach, |patch, interval, f| {
+            sum += self.exitance[patch.0 as usize] * f;
+            let Some(interval) = interval else { return };
+            if face.0 != interval.first {
+                face = (interval.first, patches.intervals.place(interval.first).0);
+            }
+            for style in light {
+                let number = interval.number as usize;
+                if let Some(more) = style.detail.get(face.1).and_then(|d| d.get(number)) {
+                    sum += *more * f;
                 }
             }
-        }
+        });
         sum
     }
 
@@ -140,8 +146,7 @@ impl Points for MapLuxels<'_> {
     fn again(&self) -> Box<dyn FnMut(usize, u32) -> Again + '_> {
         let Sources { scene, patches, .. } = self.run.sources;
         let mut gatherer =
-            Gatherer::new(scene.bounce_tracer(), &patches.set, &self.delta, self.size)
-                .with_intervals(patches.intervals.len(), LUXEL);
+            Gatherer::new(scene.bounce_tracer(), &patches.set, &self.delta, self.size);
         Box::new(move |point, paths| {
             let seed = point as u64;
             let rays =
@@ -233,7 +238,7 @@ pub fn check_luxels(run: &Run<'_>, end: Instant) -> (Option<Findings>, Option<En
         }
         sum
     };
-    let exitance = [total(&mut light.iter().map(|l| &l.exitance[..]))];
+    let exitance = total(&mut light.iter().map(|l| &l.exitance[..]));
     let emission = total(&mut run.emission.iter().map(|e| &e.exitance[..]));
     let bouncing = total(&mut run.emission.iter().map(|e| &e.bouncing[..]));
     let luxels: Vec<Vec<Irradiance>> =
@@ -246,7 +251,7 @@ pub fn check_luxels(run: &Run<'_>, end: Instant) -> (Option<Findings>, Option<En
         patches: &patches.set,
         emission: &emission,
         bouncing: &bouncing,
-        exitance: &exitance[0],
+        exitance: &exitance,
         lamps: Lamps::default(),
         direct: &direct,
         bounces: run.bounces,
@@ -276,7 +281,7 @@ pub fn check_luxels(run: &Run<'_>, end: Instant) -> (Option<Findings>, Option<En
         size,
     };
     let findings = check(&points, end);
-    let exitance: Vec<DVec3> = exitance[0].iter().map(|m| m.as_dvec3()).collect();
+    let exitance: Vec<DVec3> = exitance.iter().map(|m| m.as_dvec3()).collect();
     (findings, Energy::new(&patches.set, transfers, &exitance))
 }
 

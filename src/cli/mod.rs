@@ -1,10 +1,12 @@
 //! The command line of `qrad`.
 
 mod accuracy;
+mod effects;
 mod outputs;
 mod values;
 
 pub use accuracy::AccuracyArgs;
+pub use effects::EffectArgs;
 pub use outputs::{GridFormatArg, OutputArgs};
 pub use values::{BounceCount, GatherArg, NearFieldArg, SurfaceLightsArg};
 
@@ -71,7 +73,7 @@ pub struct Cli {
     #[arg(long, value_enum, default_value_t, requires = "patches", help_heading = "Bounced light")]
     pub near_field: NearFieldArg,
 
-    /// Edge of a hemicube in cells, even: more is finer and slower [default: 32; final: 64]
+    /// Edge of a hemicube in cells, even: more is finer and slower [default: 16; high: 32; final: 64]
     #[arg(long, value_name = "CELLS", help_heading = "Bounced light")]
     pub hemicube: Option<u32>,
 
@@ -118,6 +120,10 @@ pub struct Cli {
     /// Which files and lumps are written
     #[command(flatten)]
     pub outputs: OutputArgs,
+
+    /// Which effects are simulated
+    #[command(flatten)]
+    pub effects: EffectArgs,
 
     /// Write the lightmaps as pictures, one PNG a light style, and index.csv, into a folder
     #[arg(long, value_name = "DIR", help_heading = "Pictures")]
@@ -211,6 +217,7 @@ impl Cli {
                 Some(GatherArg::Luxel) => Gather::Luxel,
             },
             gather_error: self.quality.gather_error(),
+            share: self.quality.share(),
             reflectance_scale: self.reflectance_scale,
             grey: self.grey,
             compat_bounce: self.compat_bounce,
@@ -222,7 +229,9 @@ impl Cli {
             debug: self.debug,
             outputs: self.outputs.outputs(),
             check: !self.accuracy.no_check,
+            switches: self.effects.switches()?,
         }
+        .switched()
         .checked()
     }
 
