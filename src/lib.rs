@@ -3,6 +3,7 @@
 //! Two functions are the whole of it: [`light_bsp`] for maps and [`light_patches`] for text scenes.
 //! Both read as the algorithm; each line is a stage that lives in a room of its own.
 
+pub mod aim;
 pub mod bsp;
 pub mod check;
 pub mod cli;
@@ -11,10 +12,12 @@ pub mod error;
 pub mod legacy_args;
 pub mod light;
 pub mod lightmap;
+mod map_stages;
 pub mod output;
 pub mod outputs;
 pub mod patch;
 pub mod photometry;
+pub mod plot;
 pub mod progress;
 pub mod radiosity;
 pub mod render;
@@ -23,6 +26,7 @@ pub mod scene;
 pub mod settings;
 mod stage;
 mod store;
+pub mod sweep;
 
 pub use error::{Error, Result};
 pub use scene::effects::plan;
@@ -31,6 +35,7 @@ pub use store::Files;
 use bsp::{Bsp, MipTex};
 use check::{Energy, Findings};
 use lightmap::FinishedFace;
+use map_stages::DirectLit;
 use outputs::Scope;
 use patch::{MAX_REFLECTANCE, TextPatches, TextScene};
 use progress::Progress;
@@ -116,6 +121,8 @@ pub struct MapLight {
     pub counts: Counts,
     /// How far off its bounced light is, and where that light goes, if that was checked.
     pub checked: (Option<Findings>, Option<Energy>),
+    /// How the work was chosen, one sentence each, if the settings left that open.
+    pub choices: Vec<String>,
 }
 
 /// Lights a map: replaces the lighting of `bsp`, unless only a `.lit` file for it is asked for.
@@ -130,52 +137,9 @@ pub fn light_bsp(
     settings: &Settings,
     progress: &Progress,
 ) -> Result<MapLight> {
-    let outputs = &settings.outputs;
-    let unchanged = (outputs.scope == Scope::LitOnly).then(|| bsp.clone());
-    bsp.clear_lighting();
-    bsp.rewrite_entities(settings.styles(bsp)?)?;
-    let scene = Scene::build(bsp, sidecar, &settings.scene(textures))?;
-    let points = stage::place(&scene, settings, progress);
-    let mut direct = stage::direct(&scene, points.samples(), settings, progress);
-    let patches = stage::patches(&scene, &points.luxels, settings, progress);
-    let transfers = stage::transfers(&scene, &patches, settings, progress);
-    let shining = stage::shining(&scene, &patches, (&points, &direct), settings);
-    let bounced = stage::bounce(&scene, &patches, &transfers, &shining, settings, progress);
-    let sources = lightmap::Sources {
-        scene: &scene,
-        patches: &patches,
-        transfers: &transfers,
-        light: &bounced.styles,
-    };
-    let indirect = stage::gather(sources, &points.luxels, settings, progress);
-    let checked = stage::check(sources, &shining, &points.luxels, &indirect, settings, progress);
-    drop(shining);
-    let counts = Counts::new(&scene, &direct, &patches, &transfers, &bounced, &indirect);
-    stage::directions(sources, &points.luxels, &indirect, &mut direct, settings);
-    let faces = if let Some(view) = settings.debug {
-        let sources = lightmap::DebugSources {
-            scene: &scene,
-            samples: points.samples(),
-            direct: &direct,
-            indirect: &indirect.maps,
-            patches: &patches,
-            light: &bounced.styles,
-        };
-        stage::debug(view, sources, settings)
-    } else {
-        let probes = stage::probes(&scene, &patches, points.samples(), &bounced, settings);
-        stage::finish(&scene, &points, direct, indirect.maps, &probes, settings)
-    };
-    if let Some(unchanged) = unchanged {
-        *bsp = unchanged;
-        let store::LitOnly { rgb, files } = store::lit_only(bsp, &scene, &faces, outputs)?;
-        return Ok(MapLight { scene, faces, rgb: Some(rgb), files, counts, checked });
-    }
-    let copies = outputs.vanilla && outputs.writes_map();
-    let vanilla = lightmap::vanilla_copies(&scene, &faces, copies);
-    let packed = lightmap::pack(&faces, &vanilla)?;
-    bsp.bspx.extend(stage::light_grid(&scene, &patches, &bounced, progress)?);
-    let files = store::store(bsp, &packed, &scene, outputs)?;
-    let rgb = packed.coloured.then_some(packed.rgb);
-    Ok(MapLight { scene, faces, rgb, files, counts, checked })
+    let unchanged = (settings.outputs.scope == Scope::LitOnly).then(|| bsp.clone());
+    let direct = DirectLit::new(bsp, sidecar, textures, settings, progress)?;
+    let (bounced, choices) = aim::bounced(&direct, settings, progress);
+    let lit = direct.finish(bounced, settings, progress);
+    lit.store(bsp, unchanged, choices, settings, progress)
 }

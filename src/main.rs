@@ -3,6 +3,7 @@
 
 mod map_job;
 mod scene_job;
+mod sweep_job;
 
 use clap::{CommandFactory, Parser};
 use log::LevelFilter;

@@ -11,7 +11,7 @@ use qrad::render::{Camera, LitMap, start_camera};
 use qrad::report::Report;
 use qrad::scene::{Scene, Sidecar, export};
 use qrad::settings::Settings;
-use qrad::{Files, MapLight, legacy_args, light_bsp, lightmap, output};
+use qrad::{Files, MapLight, legacy_args, light_bsp, lightmap, output, sweep};
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
@@ -65,6 +65,27 @@ pub fn run(
             .with_context(|| path.display().to_string())?;
         print!("{}", qrad::plan(&scene, &settings));
         return Ok(());
+    }
+    if let Some(folder) = &cli.accuracy.sweep {
+        let bytes = [read(path)?, read_optional(cli.accuracy.truth.as_deref())?];
+        let truth = match &cli.accuracy.truth {
+            Some(path) => Some(sweep::map_truth(
+                &String::from_utf8_lossy(&bytes[1]),
+                &path.display().to_string(),
+            )?),
+            None => None,
+        };
+        let name = path.file_stem().unwrap_or_default().to_string_lossy();
+        let bytes: Vec<&[u8]> = bytes
+            .iter()
+            .map(Vec::as_slice)
+            .chain(
+                [texinfo.as_deref(), content.as_deref()].iter().map(|t| t.unwrap_or("").as_bytes()),
+            )
+            .collect();
+        let mut bench =
+            sweep::MapBench::new(&name, bsp, (sidecar, textures), settings, truth, &bytes);
+        return crate::sweep_job::run(folder, &mut bench, cli.quiet, visible);
     }
     // A map that goes elsewhere has nothing to do with what lies there.
     let luxels = if target == path { bsp.lighting.len() } else { 0 };
@@ -159,6 +180,11 @@ fn note_damaged_lit(path: &Path, luxels: usize) {
 
 fn read(path: &Path) -> anyhow::Result<Vec<u8>> {
     std::fs::read(path).with_context(|| format!("cannot read {}", path.display()))
+}
+
+/// A file, or nothing for no path.
+pub(crate) fn read_optional(path: Option<&Path>) -> anyhow::Result<Vec<u8>> {
+    path.map_or(Ok(Vec::new()), read)
 }
 
 /// A file that qbsp may have written beside the map.

@@ -136,6 +136,10 @@ impl Report {
                 format!("{:.2} % of the light sent to patches arrives", 100.0 * e.balance),
             );
             self.row("  meets none", format!("{:.2} %", 100.0 * e.lost));
+            if let Some(first) = e.first_dead {
+                let row = format!("{} patches that others see, the first is {first}", e.dead);
+                self.row("  see nothing", row);
+            }
         }
     }
 
@@ -161,8 +165,13 @@ impl Display for Report {
     }
 }
 
+/// Makes [`peak_memory`] begin anew, where the system can.
+pub(crate) fn forget_peak_memory() {
+    let _ = std::fs::write("/proc/self/clear_refs", "5");
+}
+
 /// Largest resident size of this process so far in bytes, where the system tells it.
-fn peak_memory() -> Option<u64> {
+pub fn peak_memory() -> Option<u64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     let line = status.lines().find_map(|l| l.strip_prefix("VmHWM:"))?;
     line.trim().strip_suffix(" kB")?.trim().parse::<u64>().ok().map(|kib| kib << 10)

@@ -5,7 +5,7 @@ use qrad::cli::Cli;
 use qrad::patch::{TextScene, decode};
 use qrad::progress::Progress;
 use qrad::report::Report;
-use qrad::{check, light_patches_with, output};
+use qrad::{check, light_patches_with, output, sweep};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
@@ -17,6 +17,19 @@ pub fn run(cli: &Cli, path: &Path, visible: bool, writing: &Mutex<()>) -> anyhow
     let bytes = std::fs::read(path).with_context(|| format!("cannot read {}", path.display()))?;
     let name = path.display().to_string();
     let scene = TextScene::parse(decode(&bytes, &name)?, &name)?;
+    if let Some(folder) = &cli.accuracy.sweep {
+        let file = crate::map_job::read_optional(cli.accuracy.truth.as_deref())?;
+        let truth = match &cli.accuracy.truth {
+            Some(path) => {
+                let (text, name) = (String::from_utf8_lossy(&file), path.display().to_string());
+                Some(sweep::text_truth(&text, &name)?)
+            }
+            None => None,
+        };
+        let name = path.file_stem().unwrap_or_default().to_string_lossy();
+        let mut bench = sweep::TextBench::new(&name, scene, truth, &[&bytes, &file])?;
+        return crate::sweep_job::run(folder, &mut bench, cli.quiet, visible);
+    }
     let target = cli.output.clone().unwrap_or_else(|| lit_name(path));
     let to_stdout = target == Path::new("-");
     if !to_stdout {

@@ -45,11 +45,12 @@ fn a_zeroed_row_of_a_text_scene_is_reported() {
     assert_eq!(right.odd, 0);
     assert!(right.at_most() < 0.02 && (right.bias - 1.0).abs() < 0.01);
     assert!((energy.balance - 1.0).abs() < 0.005 && (0.15..0.18).contains(&energy.lost));
+    assert_eq!(energy.dead, 0);
     // A patch of a wall, in the middle of it.
     let (wrong, energy) = check_text(Some(40));
     println!("{wrong:?} {energy:?}");
     assert_eq!((wrong.odd, &*wrong.worst.unwrap().name), (1, "patch 40"));
-    assert!((energy.balance - 1.0).abs() > 1e-3, "others see it, it sees nothing");
+    assert_eq!((energy.dead, energy.first_dead), (1, Some(40)));
 }
 
 fn check_map(damage: bool) -> (Findings, Energy) {
@@ -94,8 +95,9 @@ fn zeroed_rows_of_a_map_are_reported() {
     assert!(right.at_most() < 0.06 && (right.bias - 1.0).abs() < 0.02);
     assert!((right.bias_by_rays - 1.0).abs() < 0.05);
     assert!((energy.balance - 1.0).abs() < 0.01);
-    let (wrong, _) = check_map(true);
-    println!("{wrong:?}");
-    assert!(wrong.odd > 0, "{wrong:?}");
-    assert!(wrong.error().unwrap() > 2.0 * right.at_most());
+    assert_eq!(energy.dead, 0);
+    let (wrong, energy) = check_map(true);
+    println!("{wrong:?} {energy:?}");
+    assert!(energy.dead > 0 && energy.first_dead == Some(0));
+    assert!(wrong.square > 3.0 * right.square && wrong.bias < 0.98, "the light that is missing");
 }

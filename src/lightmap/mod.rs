@@ -12,7 +12,7 @@ mod pack;
 mod probes;
 mod vanilla;
 
-pub use atlas::dump;
+pub use atlas::{atlas_of_light, atlases, dump};
 pub use debug::{DebugSources, DebugView, debug_faces};
 pub use directions::add_bounced_directions;
 pub use faces::finish_faces;
