@@ -1,6 +1,7 @@
 //! What the user can set, checked once and passed down from there.
 
 use crate::bsp::{Bsp, MipTex, StyleRange};
+use crate::cache::Cache;
 use crate::lightmap::{DebugView, Gather, GatherSettings, Smoothing};
 use crate::outputs::Outputs;
 use crate::radiosity::hemicube::HemicubeSize;
@@ -121,6 +122,8 @@ pub struct Settings {
     pub outputs: Outputs,
     /// Effects switched on or off by hand.
     pub switches: Switches,
+    /// Where form factors are kept from one run to the next.
+    pub cache: Option<Cache>,
 }
 
 impl Default for Settings {
@@ -150,6 +153,7 @@ impl Settings {
             debug: None,
             outputs: Outputs::default(),
             switches: Switches::default(),
+            cache: None,
         }
     }
 

@@ -8,6 +8,7 @@ pub use effects::EffectArgs;
 pub use outputs::{GridFormatArg, OutputArgs};
 pub use values::{BounceCount, GatherArg, NearFieldArg, SurfaceLightsArg};
 
+use crate::cache::Cache;
 use crate::lightmap::{DebugView, Gather, Smoothing};
 use crate::radiosity::hemicube::HemicubeSize;
 use crate::radiosity::near_pairs::NearLimits;
@@ -82,6 +83,10 @@ pub struct Cli {
     /// How bounced light gets from patches to luxels [default: interpolate; final: luxel]
     #[arg(long, value_enum, help_heading = "Bounced light")]
     pub gather: Option<GatherArg>,
+
+    /// Keep form factors in a folder, so that lighting the map again after lights have changed skips them
+    #[arg(long, value_name = "DIR", conflicts_with = "patches", help_heading = "Bounced light")]
+    pub cache: Option<PathBuf>,
 
     /// Factor on how much light textures send back
     #[arg(long, value_name = "FACTOR", default_value_t = 1.0, help_heading = "Materials")]
@@ -223,6 +228,7 @@ impl Cli {
             debug: self.debug,
             outputs: self.outputs.outputs(),
             switches: self.effects.switches()?,
+            cache: self.cache.clone().map(Cache::new),
         }
         .switched()
         .checked()
