@@ -11,6 +11,7 @@ pub mod error;
 pub mod legacy_args;
 pub mod light;
 pub mod lightmap;
+pub mod memory;
 pub mod output;
 pub mod outputs;
 pub mod patch;
@@ -132,7 +133,7 @@ pub fn light_bsp(
     bsp.clear_lighting();
     bsp.rewrite_entities(settings.styles(bsp)?)?;
     let scene = Scene::build(bsp, sidecar, &settings.scene(textures))?;
-    let points = stage::place(&scene, settings, progress);
+    let points = stage::place(&scene, settings, progress)?;
     let mut direct = stage::direct(&scene, points.samples(), settings, progress);
     let patches = stage::patches(&scene, &points.luxels, settings, progress);
     let transfers = stage::transfers(&scene, &patches, settings, progress);

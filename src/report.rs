@@ -1,6 +1,7 @@
 //! The table at the end of a run.
 
 use crate::light::DirectLight;
+use crate::memory;
 use crate::patch::MapPatches;
 use crate::radiosity::bounce::Bounced;
 use crate::radiosity::transfers::Transfers;
@@ -118,7 +119,7 @@ impl Report {
             self.row(format!("  {name}"), format!("{:.2} s", time.as_secs_f64()));
         }
         self.row("time", format!("{:.2} s", total.as_secs_f64()));
-        let memory = peak_memory();
+        let memory = memory::peak();
         let text = memory.map_or("not known here".into(), |m| format!("{} MiB", m >> 20));
         self.row("peak memory", text);
     }
@@ -132,13 +133,6 @@ impl Display for Report {
         }
         Ok(())
     }
-}
-
-/// Largest resident size of this process so far in bytes, where the system tells it.
-fn peak_memory() -> Option<u64> {
-    let status = std::fs::read_to_string("/proc/self/status").ok()?;
-    let line = status.lines().find_map(|l| l.strip_prefix("VmHWM:"))?;
-    line.trim().strip_suffix(" kB")?.trim().parse::<u64>().ok().map(|kib| kib << 10)
 }
 
 #[cfg(test)]

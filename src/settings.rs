@@ -3,6 +3,7 @@
 use crate::bsp::{Bsp, MipTex, StyleRange};
 use crate::cache::Cache;
 use crate::lightmap::{DebugView, Gather, GatherSettings, Smoothing};
+use crate::memory::MemoryLimit;
 use crate::outputs::Outputs;
 use crate::radiosity::hemicube::HemicubeSize;
 use crate::radiosity::near_pairs::NearLimits;
@@ -122,6 +123,8 @@ pub struct Settings {
     pub outputs: Outputs,
     /// Effects switched on or off by hand.
     pub switches: Switches,
+    /// Most memory that the run is to take.
+    pub memory: MemoryLimit,
     /// Where form factors are kept from one run to the next.
     pub cache: Option<Cache>,
 }
@@ -153,6 +156,7 @@ impl Settings {
             debug: None,
             outputs: Outputs::default(),
             switches: Switches::default(),
+            memory: MemoryLimit::of_system(),
             cache: None,
         }
     }

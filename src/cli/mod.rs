@@ -10,6 +10,7 @@ pub use values::{BounceCount, GatherArg, NearFieldArg, SurfaceLightsArg};
 
 use crate::cache::Cache;
 use crate::lightmap::{DebugView, Gather, Smoothing};
+use crate::memory::MemoryLimit;
 use crate::radiosity::hemicube::HemicubeSize;
 use crate::radiosity::near_pairs::NearLimits;
 use crate::scene::ALL_BOUNCES;
@@ -176,6 +177,11 @@ pub struct Cli {
     #[arg(long, value_name = "N")]
     pub threads: Option<usize>,
 
+    /// Most memory to take, such as 2G: patches become larger where they would not fit [default: three
+    /// quarters of what is free]
+    #[arg(long, value_name = "SIZE", conflicts_with = "patches")]
+    pub memory_limit: Option<String>,
+
     /// Print nothing but errors
     #[arg(short, long)]
     pub quiet: bool,
@@ -228,6 +234,10 @@ impl Cli {
             debug: self.debug,
             outputs: self.outputs.outputs(),
             switches: self.effects.switches()?,
+            memory: match &self.memory_limit {
+                Some(text) => MemoryLimit::parse(text)?,
+                None => MemoryLimit::of_system(),
+            },
             cache: self.cache.clone().map(Cache::new),
         }
         .switched()

@@ -1,6 +1,7 @@
 //! Sparse rows of form factors: which share of a patch's view each other patch fills.
 
 mod bytes;
+mod estimate;
 
 use super::hemicube::{Cells, DeltaFormFactors, HemicubeSize, ItemBuffer, View};
 use super::near_pairs::NearPairs;
