@@ -5,6 +5,7 @@
 
 pub mod aim;
 pub mod bsp;
+pub mod cache;
 pub mod check;
 pub mod cli;
 pub mod engine;
@@ -13,6 +14,7 @@ pub mod legacy_args;
 pub mod light;
 pub mod lightmap;
 mod map_stages;
+pub mod memory;
 pub mod output;
 pub mod outputs;
 pub mod patch;
@@ -22,6 +24,7 @@ pub mod progress;
 pub mod radiosity;
 pub mod render;
 pub mod report;
+pub mod run_report;
 pub mod scene;
 pub mod settings;
 mod stage;
@@ -35,8 +38,7 @@ pub use store::Files;
 use bsp::{Bsp, MipTex};
 use check::{Energy, Findings};
 use lightmap::FinishedFace;
-use map_stages::DirectLit;
-use outputs::Scope;
+use map_stages::{BouncedLight, DirectLit};
 use patch::{MAX_REFLECTANCE, TextPatches, TextScene};
 use progress::Progress;
 use radiosity::hemicube::HemicubeSize;
@@ -51,7 +53,7 @@ use scene::{Scene, Sidecar};
 use settings::{Quality, Settings};
 
 /// Share of a text scene's light that may be left unsent when it counts as settled.
-const TEXT_RESIDUAL: f64 = 1e-9;
+pub(crate) const TEXT_RESIDUAL: f64 = 1e-9;
 
 /// Passes that tell which patches are bright enough to matter.
 const ROUGH_PASSES: u32 = 16;
@@ -137,9 +139,36 @@ pub fn light_bsp(
     settings: &Settings,
     progress: &Progress,
 ) -> Result<MapLight> {
-    let unchanged = (settings.outputs.scope == Scope::LitOnly).then(|| bsp.clone());
+    light_bsp_in_steps(bsp, sidecar, textures, settings, progress, &mut |_, _| {})
+}
+
+/// As [`light_bsp`]; `keep` gets the map and its files each time that they are whole, before the light in
+/// them gets better.
+///
+/// # Errors
+/// As [`light_bsp`].
+pub fn light_bsp_in_steps(
+    bsp: &mut Bsp,
+    sidecar: Sidecar<'_>,
+    textures: Vec<MipTex>,
+    settings: &Settings,
+    progress: &Progress,
+    keep: &mut dyn FnMut(&Bsp, &Files),
+) -> Result<MapLight> {
+    let unlit = bsp.clone();
     let direct = DirectLit::new(bsp, sidecar, textures, settings, progress)?;
-    let (bounced, choices) = aim::bounced(&direct, settings, progress);
-    let lit = direct.finish(bounced, settings, progress);
-    lit.store(bsp, unchanged, choices, settings, progress)
+    let whole = |bsp: &mut Bsp, light: &BouncedLight| {
+        let faces = direct.finish(light, settings, progress);
+        let stored = direct.store(bsp, &unlit, (&faces, light), settings, progress)?;
+        Ok::<_, Error>((faces, stored))
+    };
+    let (bounced, choices) = aim::bounced(&direct, settings, progress, &mut |light| {
+        let mut bsp = bsp.clone();
+        if let Ok((_, (_, files))) = whole(&mut bsp, light) {
+            keep(&bsp, &files);
+        }
+    });
+    let (faces, (rgb, files)) = whole(bsp, &bounced)?;
+    let BouncedLight { counts, checked, .. } = bounced;
+    Ok(MapLight { scene: direct.scene, faces, rgb, files, counts, checked, choices })
 }

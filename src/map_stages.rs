@@ -5,6 +5,7 @@ use crate::bsp::{Bsp, MipTex};
 use crate::check::{Energy, Findings};
 use crate::light::DirectLight;
 use crate::lightmap::{self, FinishedFace, Sources};
+use crate::outputs::Scope;
 use crate::patch::MapPatches;
 use crate::progress::Progress;
 use crate::radiosity::bounce::Bounced;
@@ -14,7 +15,8 @@ use crate::scene::{Scene, Sidecar};
 use crate::settings::Settings;
 use crate::stage::{self, Gathered, Points};
 use crate::store;
-use crate::{MapLight, Result};
+use crate::{Files, Result};
+use std::time::Instant;
 
 /// A map with its direct light.
 pub(crate) struct DirectLit {
@@ -39,13 +41,6 @@ pub(crate) struct BouncedLight {
     pub checked: (Option<Findings>, Option<Energy>),
 }
 
-/// All light of a map, as lightmaps.
-pub(crate) struct Finished {
-    scene: Scene,
-    faces: Vec<FinishedFace>,
-    light: BouncedLight,
-}
-
 impl DirectLit {
     /// Empties the lighting of `bsp` and lights it directly.
     pub fn new(
@@ -58,7 +53,7 @@ impl DirectLit {
         bsp.clear_lighting();
         bsp.rewrite_entities(settings.styles(bsp)?)?;
         let scene = Scene::build(bsp, sidecar, &settings.scene(textures))?;
-        let points = stage::place(&scene, settings, progress);
+        let points = stage::place(&scene, settings, progress)?;
         let direct = stage::direct(&scene, points.samples(), settings, progress);
         Ok(Self { scene, points, direct })
     }
@@ -79,62 +74,83 @@ impl DirectLit {
         BouncedLight { patches, transfers, bounced, gathered, counts, checked }
     }
 
+    /// Gives hemicubes of their own to single luxels of `light` until `end`. Returns how many.
+    pub fn refine(
+        &self,
+        light: &mut BouncedLight,
+        settings: &Settings,
+        end: Instant,
+        progress: &Progress,
+    ) -> u64 {
+        let _stage = progress.stage("refine", 1);
+        let BouncedLight { patches, transfers, bounced, gathered, counts, .. } = light;
+        let sources = Sources { scene: &self.scene, patches, transfers, light: &bounced.styles };
+        let how = settings.gathering();
+        let done = lightmap::refine(sources, &self.points.luxels, &mut gathered.maps, how, end);
+        counts.hemicubes[1] += done;
+        done
+    }
+
+    /// Finds out how far off `light` is.
+    pub fn check(&self, light: &mut BouncedLight, settings: &Settings, progress: &Progress) {
+        let Self { scene, points, direct } = self;
+        let BouncedLight { patches, transfers, bounced, gathered, .. } = &*light;
+        let shining = stage::shining(scene, patches, (points, direct), settings);
+        let sources = Sources { scene, patches, transfers, light: &bounced.styles };
+        light.checked =
+            stage::check(sources, &shining, &points.luxels, gathered, settings, progress);
+    }
+
     /// Makes lightmaps of both.
     pub fn finish(
-        mut self,
-        mut light: BouncedLight,
+        &self,
+        light: &BouncedLight,
         settings: &Settings,
         progress: &Progress,
-    ) -> Finished {
-        let BouncedLight { patches, transfers, bounced, gathered, .. } = &mut light;
-        let Self { scene, points, direct } = &mut self;
+    ) -> Vec<FinishedFace> {
+        let Self { scene, points, direct } = self;
+        let BouncedLight { patches, transfers, bounced, gathered, .. } = light;
         let _stage = progress.stage("lightmaps", 1);
+        let mut direct = direct.clone();
         let sources = Sources { scene, patches, transfers, light: &bounced.styles };
-        stage::directions(sources, &points.luxels, gathered, direct, settings);
-        let faces = if let Some(view) = settings.debug {
+        stage::directions(sources, &points.luxels, gathered, &mut direct, settings);
+        if let Some(view) = settings.debug {
             let sources = lightmap::DebugSources {
                 scene,
                 samples: points.samples(),
-                direct,
+                direct: &direct,
                 indirect: &gathered.maps,
                 patches,
                 light: &bounced.styles,
             };
-            stage::debug(view, sources, settings)
-        } else {
-            let probes = stage::probes(scene, patches, points.samples(), bounced, settings);
-            let (direct, indirect) = (std::mem::take(direct), std::mem::take(&mut gathered.maps));
-            stage::finish(scene, points, direct, indirect, &probes, settings)
-        };
-        Finished { scene: self.scene, faces, light }
+            return stage::debug(view, sources, settings);
+        }
+        let probes = stage::probes(scene, patches, points.samples(), bounced, settings);
+        stage::finish(scene, points, direct, gathered.maps.clone(), &probes, settings)
     }
-}
 
-impl Finished {
-    /// Puts the lightmaps into `bsp`, or into a `.lit` file for it as it was, `unchanged`.
+    /// Puts lightmaps into `bsp`, or into a `.lit` file for it as it was, `unlit`. Returns three levels
+    /// for each byte of the lighting lump when the light has colour, and what stands beside the map.
     pub fn store(
-        self,
+        &self,
         bsp: &mut Bsp,
-        unchanged: Option<Bsp>,
-        choices: Vec<String>,
+        unlit: &Bsp,
+        (faces, light): (&[FinishedFace], &BouncedLight),
         settings: &Settings,
         progress: &Progress,
-    ) -> Result<MapLight> {
-        let Self { scene, faces, light } = self;
-        let BouncedLight { patches, bounced, counts, checked, .. } = light;
+    ) -> Result<(Option<Vec<u8>>, Files)> {
+        let Self { scene, .. } = self;
         let outputs = &settings.outputs;
-        let (rgb, files) = if let Some(unchanged) = unchanged {
-            *bsp = unchanged;
-            let store::LitOnly { rgb, files } = store::lit_only(bsp, &scene, &faces, outputs)?;
-            (Some(rgb), files)
-        } else {
-            let copies = outputs.vanilla && outputs.writes_map();
-            let vanilla = lightmap::vanilla_copies(&scene, &faces, copies);
-            let packed = lightmap::pack(&faces, &vanilla)?;
-            bsp.bspx.extend(stage::light_grid(&scene, &patches, &bounced, progress)?);
-            let files = store::store(bsp, &packed, &scene, outputs)?;
-            (packed.coloured.then_some(packed.rgb), files)
-        };
-        Ok(MapLight { scene, faces, rgb, files, counts, checked, choices })
+        if outputs.scope == Scope::LitOnly {
+            bsp.clone_from(unlit);
+            let store::LitOnly { rgb, files } = store::lit_only(bsp, scene, faces, outputs)?;
+            return Ok((Some(rgb), files));
+        }
+        let copies = outputs.vanilla && outputs.writes_map();
+        let vanilla = lightmap::vanilla_copies(scene, faces, copies);
+        let packed = lightmap::pack(faces, &vanilla)?;
+        bsp.bspx.extend(stage::light_grid(scene, &light.patches, &light.bounced, progress)?);
+        let files = store::store(bsp, &packed, scene, outputs)?;
+        Ok((packed.coloured.then_some(packed.rgb), files))
     }
 }

@@ -29,6 +29,13 @@ impl Progress {
         Stage { progress: self, name, start: Instant::now(), bar }
     }
 
+    /// Prints a sentence where bars are shown.
+    pub fn say(&self, sentence: &str) {
+        if self.visible {
+            eprintln!("{sentence}");
+        }
+    }
+
     /// Time since the beginning.
     pub fn elapsed(&self) -> Duration {
         self.start.elapsed()

@@ -2,6 +2,7 @@
 
 use crate::check::{Energy, Findings};
 use crate::light::DirectLight;
+use crate::memory;
 use crate::patch::MapPatches;
 use crate::radiosity::bounce::Bounced;
 use crate::radiosity::transfers::Transfers;
@@ -59,7 +60,7 @@ impl Counts {
             lights: scene.lights.len(),
             styles: styles.len(),
             rays: direct.iter().map(|d| d.rays).sum(),
-            hemicubes: [transfers.stored() as u64, gathered.hemicubes],
+            hemicubes: [transfers.drawn(), gathered.hemicubes],
             transfers: transfers.len(),
             bounces: bounced.bounces,
             residual: bounced.residual,
@@ -143,15 +144,31 @@ impl Report {
         }
     }
 
+    /// Adds what half the error would take, in seconds.
+    pub fn half_error(&mut self, seconds: Option<f64>) {
+        let text = match seconds {
+            Some(seconds) => format!("would take about {seconds:.1} s"),
+            None => "is out of reach of the settings".to_owned(),
+        };
+        self.row("half the error", text);
+    }
+
     /// Adds a row a stage, in seconds, their sum, and the peak memory.
     pub fn resources(&mut self, stages: &[(&'static str, Duration)], total: Duration) {
         for (name, time) in stages {
             self.row(format!("  {name}"), format!("{:.2} s", time.as_secs_f64()));
         }
         self.row("time", format!("{:.2} s", total.as_secs_f64()));
-        let memory = peak_memory();
+        let memory = memory::peak();
         let text = memory.map_or("not known here".into(), |m| format!("{} MiB", m >> 20));
         self.row("peak memory", text);
+    }
+}
+
+impl Report {
+    /// Names and values of the rows.
+    pub fn rows(&self) -> &[(String, String)] {
+        &self.rows
     }
 }
 
@@ -163,18 +180,6 @@ impl Display for Report {
         }
         Ok(())
     }
-}
-
-/// Makes [`peak_memory`] begin anew, where the system can.
-pub(crate) fn forget_peak_memory() {
-    let _ = std::fs::write("/proc/self/clear_refs", "5");
-}
-
-/// Largest resident size of this process so far in bytes, where the system tells it.
-pub fn peak_memory() -> Option<u64> {
-    let status = std::fs::read_to_string("/proc/self/status").ok()?;
-    let line = status.lines().find_map(|l| l.strip_prefix("VmHWM:"))?;
-    line.trim().strip_suffix(" kB")?.trim().parse::<u64>().ok().map(|kib| kib << 10)
 }
 
 #[cfg(test)]

@@ -1,7 +1,8 @@
 //! A sweep: many settings, one map or scene.
 
+use qrad::memory;
 use qrad::progress::Progress;
-use qrad::report::{Report, peak_memory};
+use qrad::report::Report;
 use qrad::sweep::{Bench, sweep};
 use std::path::Path;
 
@@ -17,7 +18,7 @@ pub fn run(folder: &Path, bench: &mut dyn Bench, quiet: bool, visible: bool) -> 
     report.count("points known", swept.table.len() as u64);
     report.resources(&progress.stages(), progress.elapsed());
     report.row("written", folder.join("sweep.html").display());
-    if peak_memory().is_none() {
+    if memory::peak().is_none() {
         report.row("memory", "not known here");
     }
     print!("{report}");

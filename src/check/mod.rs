@@ -35,7 +35,7 @@ const MOST_POINTS: usize = 600;
 /// Paths of a point by rays, in each of two halves: at least, and at most.
 const PATHS: [u32; 2] = [64, 4096];
 /// Share of a run's time that its check may take.
-const SHARE: f64 = 0.03;
+pub const SHARE: f64 = 0.03;
 /// Seconds that a check may take after the shortest run.
 const LEAST: f64 = 0.005;
 
@@ -72,9 +72,9 @@ pub struct Again {
     pub rays: Vec3,
 }
 
-/// How long a check may take: a share of what the run took.
-pub fn budget(run: Duration) -> Duration {
-    Duration::from_secs_f64((run.as_secs_f64() * SHARE).max(LEAST))
+/// How long a check may take: this share of what the run took.
+pub fn budget(run: Duration, share: f64) -> Duration {
+    Duration::from_secs_f64((run.as_secs_f64() * share).max(LEAST))
 }
 
 /// Lights as many points again as the time until `end` allows, chosen and lit by fixed sequences: the

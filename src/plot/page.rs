@@ -36,6 +36,11 @@ impl Page {
         let _ = writeln!(self.body, "<p>{}</p>", escape(text));
     }
 
+    /// Text whose lines stay as they are.
+    pub fn lines(&mut self, text: &str) {
+        let _ = writeln!(self.body, "<pre>{}</pre>", escape(text));
+    }
+
     /// A drawing.
     pub fn svg(&mut self, svg: &str) {
         self.body.push_str(svg);

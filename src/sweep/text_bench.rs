@@ -3,10 +3,10 @@
 use super::bench::{Bench, FNV_BASIS, Knobs, Measured, errors, fnv};
 use super::map_bench::QUALITIES;
 use super::truth::TextTruth;
+use crate::memory;
 use crate::patch::{TextPatches, TextScene};
 use crate::progress::Progress;
 use crate::radiosity::near_pairs::NearLimits;
-use crate::report;
 use crate::settings::Quality;
 use crate::{Error, Result, light_patches_with};
 use std::time::Instant;
@@ -122,11 +122,11 @@ impl Bench for TextBench {
             let (rays, points, crowded) = (whole("rays"), whole("points"), whole("crowded"));
             NearLimits { row, rays, points, crowded }
         });
-        report::forget_peak_memory();
+        memory::forget_peak();
         let start = Instant::now();
         let (_, solution) = light_patches_with(&scene, near, &Progress::new(false))?;
         let seconds = start.elapsed().as_secs_f64();
-        let memory = report::peak_memory();
+        let memory = memory::peak();
         let pairs = solution.exitance.iter().zip(&self.scene.patches);
         let reflected = pairs.flat_map(|(m, quad)| {
             let own = quad.exitance.map(|e| e as f32);
