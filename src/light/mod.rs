@@ -311,18 +311,33 @@ impl Beam<'_, '_> {
             return;
         }
         self.rays.suppose(self.blockers.of(self.light));
-        if count >= FEW_RAYS && (count >= MANY_RAYS || self.look(wanted.one(members), samples, wanted)) {
+        let lit = count < FEW_RAYS || self.look(wanted.one(members), samples, wanted);
+        if !lit && shadowed {
+            self.remember();
+            if self.blockers.cover(self.light, &tile.bounds) {
+                return;
+            }
+        }
+        let many = count >= MANY_RAYS;
+        if many || lit && count >= FEW_RAYS {
             let floor = self.tiles.floor_with(tile, std::iter::once(light.origin));
             let narrow = self.rays.towards(&tile.bounds, floor, light.origin, count);
             let parts = self.tiles.parts(tile);
-            if !narrow && count >= MANY_RAYS && !parts.is_empty() {
+            if !narrow && many && !parts.is_empty() {
                 parts.iter().for_each(|part| self.trace(part, samples, wanted));
                 return;
             }
         }
         self.look(members, samples, wanted);
         self.rays.anywhere();
-        if let Some(polygon) = self.rays.blocker().filter(|_| shadowed) {
+        if shadowed {
+            self.remember();
+        }
+    }
+
+    /// Remembers what blocked the last ray that was blocked.
+    fn remember(&mut self) {
+        if let Some(polygon) = self.rays.blocker() {
             self.blockers.remember(self.scene, self.light, polygon);
         }
     }

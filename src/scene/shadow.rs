@@ -89,10 +89,12 @@ impl<'a> ShadowRays<'a> {
             return false;
         }
         let (start, way) = (from.as_dvec3(), to.as_dvec3() - from.as_dvec3());
-        if let Some(last) = self.last_blocker.filter(|_| !self.narrow.is_on())
-            && meet(self.corners(last), start, way).0.is_inside()
-        {
-            return true;
+        if let Some(last) = self.last_blocker.filter(|_| !self.narrow.is_on()) {
+            let ray = (from, way.as_vec3());
+            if let Some(met) = self.tracer.wide().met_beside(last, ray, 1.0, |_| true) {
+                self.last_blocker = Some(met);
+                return true;
+            }
         }
         match self.contact(start, way) {
             Contact::None => false,

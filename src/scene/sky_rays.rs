@@ -70,14 +70,15 @@ impl ShadowRays<'_> {
             return View::Unsure;
         }
         let Some((t, polygon)) = nearest else { return View::NoSky };
+        let limit = t as f32 * (1.0 + f32::EPSILON);
         if let Some(last) = self.last_before_sky.filter(|_| !self.narrow.is_on()) {
-            let (contact, before) = meet(self.corners(last), start, way);
-            if contact.is_inside() && before < t {
+            let wide = self.tracer.wide();
+            if let Some(met) = wide.met_beside(last, ray, limit, |p| !sky.is_sky[p as usize]) {
+                self.last_before_sky = Some(met);
                 return View::NoSky;
             }
         }
         let (tracer, mut blocker) = (self.tracer, None);
-        let limit = t as f32 * (1.0 + f32::EPSILON);
         self.narrow.walk(tracer.wide(), ray, limit, &mut self.stack, |other, surely| {
             if sky.is_sky[other as usize] {
                 return limit;

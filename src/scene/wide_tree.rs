@@ -14,6 +14,8 @@ pub(super) struct WideTree {
     nodes: Vec<WideNode>,
     packets: Vec<Packet>,
     root: Option<Child>,
+    /// The run of packets that each polygon is in.
+    homes: Vec<Child>,
 }
 
 /// Boxes of up to four children; those of absent children are empty.
@@ -100,7 +102,15 @@ impl WideTree {
         }
         let first = self.packets.len() as u32;
         self.packets.extend(all.chunks(4).map(Packet::new));
-        Child { first, packets: self.packets.len() as u32 - first }
+        let child = Child { first, packets: self.packets.len() as u32 - first };
+        for &(_, polygon) in &all {
+            let polygon = polygon as usize;
+            if self.homes.len() <= polygon {
+                self.homes.resize(polygon + 1, Child::default());
+            }
+            self.homes[polygon] = child;
+        }
+        child
     }
 
     /// Calls `visit(polygon, surely)` for the polygons that the ray `start + t way` may meet with
@@ -133,6 +143,25 @@ impl WideTree {
                 packet.show(&ray, &mut limit, &mut shown, &mut visit);
             }
         }
+    }
+
+    /// A polygon at or beside `polygon` that passes `wanted` and that the ray surely meets inside
+    /// with 0 < t <= `limit`.
+    pub fn met_beside(
+        &self,
+        polygon: u32,
+        (start, way): (Vec3, Vec3),
+        limit: f32,
+        wanted: impl Fn(u32) -> bool,
+    ) -> Option<u32> {
+        let home = self.homes.get(polygon as usize)?;
+        let ray = WideRay::new(start, way);
+        let first = home.first as usize;
+        self.packets[first..first + home.packets as usize].iter().find_map(|packet| {
+            let (_, sure) = packet.meet(&ray, limit);
+            let met = |&lane: &usize| sure >> lane & 1 == 1 && wanted(packet.polygons[lane]);
+            (0..4).find(met).map(|lane| packet.polygons[lane])
+        })
     }
 
     /// Calls `visit` for the packets in boxes that the shaft may reach into, until it says false or
