@@ -4,6 +4,7 @@
 //! Both read as the algorithm; each line is a stage that lives in a room of its own.
 
 pub mod bsp;
+pub mod cache;
 pub mod cli;
 pub mod engine;
 pub mod error;
@@ -24,6 +25,7 @@ mod stage;
 mod store;
 
 pub use error::{Error, Result};
+pub use scene::effects::plan;
 pub use store::Files;
 
 use bsp::{Bsp, MipTex};

@@ -4,6 +4,7 @@ use anyhow::Context;
 use clap::{CommandFactory, Parser};
 use glam::Vec3;
 use qrad::bsp::{Bsp, Entity, MipTex, load_wad, parse_entities, read_hdr_lit, read_lit};
+use qrad::cache::Cache;
 use qrad::cli::Cli;
 use qrad::outputs::{DirectionFile, Outputs, Scope};
 use qrad::progress::Progress;
@@ -58,6 +59,12 @@ pub fn run(
         let scene = Scene::build(&bsp, sidecar, &settings.scene(textures))
             .with_context(|| path.display().to_string())?;
         output::write(&obj, export::obj(&scene).as_bytes())?;
+        return Ok(());
+    }
+    if cli.effects.explain {
+        let scene = Scene::build(&bsp, sidecar, &settings.scene(textures))
+            .with_context(|| path.display().to_string())?;
+        print!("{}", qrad::plan(&scene, &settings));
         return Ok(());
     }
     // A map that goes elsewhere has nothing to do with what lies there.
@@ -187,6 +194,7 @@ fn check_outputs(cli: &Cli, map: &Path, target: &Path, settings: &Settings) -> q
     let inputs = cli.wad.iter().chain(&cli.radlights).map(PathBuf::as_path);
     let inputs: Vec<&Path> = inputs.chain((target != map).then_some(map)).collect();
     output::check_distinct(&files.iter().copied().chain(lit).collect::<Vec<_>>(), &inputs)?;
+    settings.cache.as_ref().map_or(Ok(()), Cache::check)?;
     cli.dump_lightmaps.as_deref().map_or(Ok(()), output::check_folder)
 }
 

@@ -2,6 +2,7 @@
 
 use crate::Result;
 use crate::bsp::BspxLump;
+use crate::cache::Key;
 use crate::light::{self, DirectLight, Directions, Probe, StyleLight};
 use crate::lightmap::{self, DebugSources, DebugView, FinishedFace};
 use crate::patch::MapPatches;
@@ -87,15 +88,28 @@ pub(crate) fn patches(
     MapPatches::new(scene, samples, settings.patch_size)
 }
 
-/// Form factors between the patches.
+/// Form factors between the patches, drawn or as they were kept.
 pub(crate) fn transfers(
     scene: &Scene,
     patches: &MapPatches,
     settings: &Settings,
     progress: &Progress,
 ) -> Transfers {
-    let stage = progress.stage("form factors", patches.set.patches.len());
-    Transfers::compute(scene.bounce_tracer(), &patches.set, settings.hemicube, |n| stage.advance(n))
+    let count = patches.set.patches.len();
+    let stage = progress.stage("form factors", count);
+    let (tracer, leaders) = (scene.bounce_tracer(), patches.leaders());
+    let sharing = (leaders.as_slice(), settings.share);
+    let size = settings.hemicube;
+    let cache = settings.cache.as_ref().filter(|_| count > 0);
+    let kept = cache.map(|cache| (cache, Key::new(tracer, &patches.set, sharing, size)));
+    if let Some(transfers) = kept.as_ref().and_then(|(cache, key)| cache.load(*key, count)) {
+        return transfers;
+    }
+    let transfers = Transfers::shared(tracer, &patches.set, sharing, size, |n| stage.advance(n));
+    if let Some((cache, key)) = kept {
+        cache.keep(key, &transfers);
+    }
+    transfers
 }
 
 /// Final light of the patches in every style.

@@ -167,6 +167,9 @@ impl Interpolator {
 /// How much a point at `offset` counts at normal `here`, from 0 for not at all to 1. It falls smoothly
 /// to 0, so that no point appears or vanishes with a jump.
 fn weight(point: &Known, here: Vec3, offset: Vec3) -> f64 {
+    if offset.length_squared() >= point.reach * point.reach {
+        return 0.0;
+    }
     let bend = BEND * (1.0 - here.dot(point.normal)).max(0.0).sqrt();
     // Between two points of a round wall the mean of their normals is across the offset.
     let raised = offset.dot((here + point.normal).normalize_or_zero());
