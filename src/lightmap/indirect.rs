@@ -130,7 +130,7 @@ impl Face<'_> {
     }
 }
 
-/// The patches as known points.
+/// The patches as known points. Those that the edge of a face cuts off stand as far apart as whole ones.
 fn known_patches(sources: Sources<'_>, error: f64) -> Interpolator {
     let mut known = Interpolator::new(sources.light.len(), error);
     let leaders = sources.patches.leaders();
@@ -139,7 +139,8 @@ fn known_patches(sources: Sources<'_>, error: f64) -> Interpolator {
             continue;
         }
         let openness = sources.transfers.openness(i);
-        let point = Known::new(patch.eye, patch.normal, openness, patch.area.sqrt());
+        let apart = sources.patches.spacing[sources.patches.surface[i] as usize];
+        let point = Known::new(patch.eye, patch.normal, openness, apart);
         known.add(point, sources.light.iter().map(|l| l.irradiance[i].0.as_dvec3()));
     }
     known
