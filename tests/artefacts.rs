@@ -117,18 +117,31 @@ fn no_light_gets_under_an_unseen_door() {
     }
 }
 
-/// A door in a doorway 64 units wide and 112 high, half a unit above the floor: a little light may get
-/// through below.
-#[test]
-fn hardly_any_light_gets_under_a_door_in_its_frame() {
-    let bsp = room()
+/// A door in a doorway 64 units wide and 112 high, half a unit above the floor, between two places along the
+/// depth of the frame; lit from low x.
+fn framed_door([low, high]: [f32; 2]) -> Bsp {
+    room()
         .pillar([-8.0, -192.0, 0.0], [8.0, -32.0, 192.0], 0)
         .pillar([-8.0, 32.0, 0.0], [8.0, 192.0, 192.0], 0)
         .pillar([-8.0, -32.0, 112.0], [8.0, 32.0, 192.0], 0)
-        .model([-4.0, -32.0, 0.5], [4.0, 32.0, 112.0], Some(0))
+        .model([low, -32.0, 0.5], [high, 32.0, 112.0], Some(0))
         .entities(lit_from("-90 30 80", DOOR))
-        .build(Format::Bsp2);
-    check_dark("framed door", &bsp, 0.02, |p| p.x > 3.4);
+        .build(Format::Bsp2)
+}
+
+/// A little light may get through below.
+#[test]
+fn hardly_any_light_gets_under_a_door_in_its_frame() {
+    check_dark("framed door", &framed_door([-4.0, 4.0]), 0.02, |p| p.x > 3.4);
+}
+
+/// The same off the middle of the frame. Within the frame luxels see through the gap; behind it they do not.
+#[test]
+fn hardly_any_light_gets_under_a_door_off_the_middle_of_its_frame() {
+    for [low, high] in [[-8.0, 0.0], [0.0, 8.0], [-6.0, 2.0], [3.0, 5.0], [-8.0, -6.0]] {
+        let name = format!("framed door {low} to {high}");
+        check_dark(&name, &framed_door([low, high]), 0.01, |p| p.x > 9.0);
+    }
 }
 
 /// A wall right above a lit ledge, where light gathers within two units: no luxel is left with the light

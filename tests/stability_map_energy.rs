@@ -32,7 +32,7 @@ fn furnace_rooms_keep_energy_and_reciprocity_and_their_residual_is_true() {
 #[test]
 fn the_atrium_keeps_energy_and_reciprocity_and_its_residual_is_true() {
     // Hundreds of planes, many of small faces: reciprocity between them is not 2 %, see docs/stability.md.
-    hold("atrium.bsp", 0.02, 0.05);
+    hold("atrium.bsp", 0.02, 0.06);
 }
 
 #[test]
