@@ -89,7 +89,7 @@ impl Costs {
     }
 
     /// Patches, hemicubes at patches, and form factors.
-    fn counts(&self, rung: &Rung) -> [f64; 3] {
+    pub fn counts(&self, rung: &Rung) -> [f64; 3] {
         let size = rung.patch_size;
         // Between sizes that were cut: as areas go.
         let (near, count) = self
@@ -113,6 +113,11 @@ impl Costs {
             .expect("some sizes are timed");
         let share = f64::from(cells) / f64::from(*near);
         (of.0 * share, of.1 * share.powf(0.7))
+    }
+
+    /// Hemicubes at luxels.
+    pub fn luxels(&self, rung: &Rung) -> f64 {
+        self.luxels * rung.luxels
     }
 
     /// Seconds of bounced light.

@@ -9,6 +9,7 @@ mod text;
 pub use costs::{Costs, Predicted};
 pub use half::{half_error, half_error_text};
 pub use ladder::{Rung, rungs};
+pub(crate) use pilot::sample_direct;
 pub use pilot::{Estimated, estimate};
 pub use text::{TextPredicted, estimate_text, text_quality};
 
