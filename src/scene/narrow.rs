@@ -83,7 +83,7 @@ impl Narrow {
             if !wanted(packet.polygons[lane]) {
                 continue;
             }
-            if self.count % 4 == 0 {
+            if self.count.is_multiple_of(4) {
                 self.packets.push(Packet::new(&[]));
             }
             let last = self.packets.len() - 1;
