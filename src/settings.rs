@@ -1,10 +1,15 @@
 //! What the user can set, checked once and passed down from there.
 
+use crate::aim::Aim;
 use crate::bsp::{Bsp, MipTex, StyleRange};
+use crate::cache::Cache;
+use crate::check;
 use crate::lightmap::{DebugView, Gather, GatherSettings, Smoothing};
+use crate::memory::MemoryLimit;
 use crate::outputs::Outputs;
 use crate::radiosity::hemicube::HemicubeSize;
 use crate::radiosity::near_pairs::NearLimits;
+use crate::scene::effects::{Effect, Switches};
 use crate::scene::{SceneSettings, style_range};
 use crate::{Error, Result};
 
@@ -47,7 +52,11 @@ impl Quality {
 
     /// Cells along the edge of a hemicube, on maps.
     pub fn hemicube(self) -> u32 {
-        if self == Self::Final { 64 } else { 32 }
+        match self {
+            Self::Draft | Self::Normal => 16,
+            Self::High => 32,
+            Self::Final => 64,
+        }
     }
 
     /// Longest edge of a patch in luxels.
@@ -64,8 +73,16 @@ impl Quality {
     pub fn gather_error(self) -> f64 {
         match self {
             Self::Draft => f64::INFINITY,
-            Self::Normal => 0.05,
+            Self::Normal => 0.1,
             Self::High | Self::Final => 0.02,
+        }
+    }
+
+    /// How readily neighbouring patches share a hemicube: see [`Settings::share`].
+    pub fn share(self) -> f32 {
+        match self {
+            Self::Draft | Self::Normal => 0.25,
+            Self::High | Self::Final => 0.0,
         }
     }
 }
@@ -88,6 +105,9 @@ pub struct Settings {
     pub gather: Gather,
     /// Error that interpolation may make, above 0: see [`GatherSettings::error`].
     pub gather_error: f64,
+    /// A patch shares the hemicube of one beside it that is nearer than this share of the harmonic mean
+    /// distance of what that one sees; 0 for none.
+    pub share: f32,
     /// Factor on the reflectance of textures, 0 and up.
     pub reflectance_scale: f32,
     /// Ignore the colour of textures: everything reflects half the light.
@@ -103,6 +123,20 @@ pub struct Settings {
     pub debug: Option<DebugView>,
     /// What is written.
     pub outputs: Outputs,
+    /// Some luxels are lit again to tell how far off bounced light is.
+    pub check: bool,
+    /// Share of the run's time that this may take, in (0, 1).
+    pub check_share: f64,
+    /// What the run is to reach. Other than by settings, it chooses those of bounced light.
+    pub aim: Aim,
+    /// Light that is whole but may get better is kept: see [`light_bsp_in_steps`](crate::light_bsp_in_steps).
+    pub keep_partial: bool,
+    /// Effects switched on or off by hand.
+    pub switches: Switches,
+    /// Most memory that the run is to take.
+    pub memory: MemoryLimit,
+    /// Where form factors are kept from one run to the next.
+    pub cache: Option<Cache>,
 }
 
 impl Default for Settings {
@@ -123,6 +157,7 @@ impl Settings {
             smoothing: Smoothing { extra: 1, soft: 0 },
             gather: quality.gather(),
             gather_error: quality.gather_error(),
+            share: quality.share(),
             reflectance_scale: 1.0,
             grey: false,
             compat_bounce: false,
@@ -130,7 +165,37 @@ impl Settings {
             overrides: Vec::new(),
             debug: None,
             outputs: Outputs::default(),
+            check: true,
+            check_share: check::SHARE,
+            aim: Aim::Settings,
+            keep_partial: false,
+            switches: Switches::default(),
+            memory: MemoryLimit::of_system(),
+            cache: None,
         }
+    }
+
+    /// Makes of the switches what is no matter of the scene.
+    pub fn switched(mut self) -> Self {
+        let of = |effect| self.switches.of(effect);
+        match of(Effect::Supersampling) {
+            Some(true) if self.smoothing.extra == 1 => self.smoothing.extra = 4,
+            Some(false) => self.smoothing = Smoothing { extra: 1, soft: 0 },
+            _ => {}
+        }
+        match of(Effect::NearField) {
+            Some(true) => self.gather_error = self.gather_error.min(Quality::Normal.gather_error()),
+            Some(false) => self.gather_error = f64::INFINITY,
+            None => {}
+        }
+        if of(Effect::Bounces) == Some(true) && self.bounces == Some(0) {
+            self.bounces = None;
+        }
+        if of(Effect::Dirt) == Some(true) {
+            self.overrides.push(("dirt".into(), "1".into()));
+        }
+        self.outputs.switch(&self.switches);
+        self
     }
 
     /// The settings, if every value is in its range.
@@ -155,8 +220,45 @@ impl Settings {
             let problem = format!("{}: use 0 or more", self.reflectance_scale);
             return Err(Error::setting("--reflectance-scale", problem));
         }
+        match self.aim {
+            Aim::Error(e) if !(e > 0.0 && e < 1.0) => {
+                return Err(Error::setting(
+                    "--target-error",
+                    "use more than 0 % and less than 100 %",
+                ));
+            }
+            Aim::Time(t) if !(t > 0.0 && t <= 1e7) => {
+                return Err(Error::setting("--time-budget", "use more than 0 s"));
+            }
+            _ => {}
+        }
         self.outputs.clone().checked()?;
         Ok(self)
+    }
+
+    /// Names and values of what a run is lit with, for reports.
+    pub fn describe(&self) -> Vec<(String, String)> {
+        let gather = match self.gather {
+            Gather::Luxel => "a hemicube at every luxel".to_owned(),
+            Gather::Interpolate => format!("interpolate, error {}", self.gather_error),
+        };
+        let bounces = self.bounces.map_or("by the map".to_owned(), |n| n.to_string());
+        let mut all = vec![
+            ("hemicube", self.hemicube.width().to_string()),
+            ("patch size", self.patch_size.to_string()),
+            ("gather", gather),
+            ("shared hemicubes", self.share.to_string()),
+            ("bounces", bounces),
+            ("residual", format!("{:e}", self.residual)),
+            ("samples a luxel", self.smoothing.extra.pow(2).to_string()),
+            ("blur", self.smoothing.soft.to_string()),
+            ("surface lights", format!("{:?}", self.surface_lights)),
+            ("reflectance scale", self.reflectance_scale.to_string()),
+            ("grey", self.grey.to_string()),
+            ("outputs", format!("{:?}", self.outputs)),
+        ];
+        all.extend(self.overrides.iter().map(|(k, v)| (&**k, v.clone())));
+        all.into_iter().map(|(name, value)| (name.to_owned(), value)).collect()
     }
 
     /// The styles that switchable lights get.
@@ -192,6 +294,7 @@ impl Settings {
             overrides,
             luxels: self.outputs.luxels.clone(),
             extra: self.smoothing.extra,
+            switches: self.switches.clone(),
         }
     }
 }

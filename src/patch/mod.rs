@@ -3,6 +3,7 @@
 mod blocks;
 mod cuts;
 mod detail;
+mod leaders;
 mod lookup;
 mod polygon2;
 mod subdivide;
