@@ -121,7 +121,7 @@ impl<'a> LightRays<'a> {
 
     /// Rays to the sky run from `from` in the unit direction `direction` from now on, as
     /// [`Self::towards`] says.
-    pub(crate) fn to_sky(
+    pub(crate) fn skywards(
         &mut self,
         from: &Bounds,
         floor: Option<Floor>,
@@ -160,7 +160,7 @@ impl<'a> LightRays<'a> {
         self.filters.narrow.enter_part(&self.near_filters, &shaft);
     }
 
-    /// Whether no ray of [`Self::to_sky`] gets to the sky.
+    /// Whether no ray of [`Self::skywards`] gets to the sky.
     pub(crate) fn sees_no_sky(&self) -> bool {
         self.opaque.narrow_sky.is_empty()
     }
