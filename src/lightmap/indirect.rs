@@ -133,13 +133,12 @@ impl Face<'_> {
 /// The patches as known points.
 fn known_patches(sources: Sources<'_>, error: f64) -> Interpolator {
     let mut known = Interpolator::new(sources.light.len(), error);
-    let leaders = sources.patches.leaders();
     for (i, patch) in sources.patches.set.patches.iter().enumerate() {
-        if !sources.transfers.drawn_at(i, leaders[i]) {
+        if sources.transfers.drawn_at(i) != i {
             continue;
         }
-        let openness = sources.transfers.openness(i);
-        let point = Known::new(patch.eye, patch.normal, openness, patch.area.sqrt());
+        let distances = sources.transfers.distances(i);
+        let point = Known::new(patch.eye, patch.normal, distances, patch.area.sqrt());
         known.add(point, sources.light.iter().map(|l| l.irradiance[i].0.as_dvec3()));
     }
     known
@@ -196,9 +195,9 @@ impl Drawn<'_> {
                             let view = View::turned(at, sample.normal, seed);
                             let light = self.arriving(gatherer, &view);
                             face.light[i] = Some(light.clone());
-                            let openness = gatherer.openness();
+                            let distances = gatherer.distances();
                             let (at, normal) = (sample.position, sample.normal);
-                            (Known::new(at, normal, openness, EVERY_OTHER), light)
+                            (Known::new(at, normal, distances, EVERY_OTHER), light)
                         })
                         .collect()
                 },
