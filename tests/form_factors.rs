@@ -24,7 +24,7 @@ const Z: DVec3 = DVec3::Z;
 fn caught(p: &TextPatches, t: &Transfers, from: Range<usize>, to: Range<usize>) -> f64 {
     from.map(|i| {
         let (columns, factors) = t.row(i);
-        let seen = columns.iter().zip(factors).filter(|(j, _)| to.contains(&(**j as usize)));
+        let seen = columns.iter().zip(&factors).filter(|(j, _)| to.contains(&(**j as usize)));
         f64::from(p.set.patches[i].area) * seen.map(|(_, f)| f64::from(*f)).sum::<f64>()
     })
     .sum()

@@ -1,5 +1,8 @@
 //! Sparse rows of form factors: which share of a patch's view each other patch fills.
 
+mod bytes;
+mod estimate;
+
 use super::hemicube::{Cells, DeltaFormFactors, HemicubeSize, ItemBuffer, View};
 use super::near_pairs::NearPairs;
 use crate::patch::{PatchId, PatchSet, PolygonPatches};
@@ -24,6 +27,7 @@ pub struct Transfers {
     row_of: Vec<u32>,
     /// The patch at whose eye that row was drawn.
     drawn_at: Vec<u32>,
+    drawn: u64,
 }
 
 /// Rows one after the other, six bytes an entry.
@@ -151,7 +155,7 @@ impl Transfers {
 
     /// For `count` patches whose rows are still to be drawn.
     fn undrawn(count: usize) -> Self {
-        Self { chunks: Vec::new(), row_of: vec![0; count], drawn_at: vec![0; count] }
+        Self { row_of: vec![0; count], drawn_at: vec![0; count], ..Self::default() }
     }
 
     /// Draws hemicubes at these patches.
@@ -168,6 +172,7 @@ impl Transfers {
             self.row_of[i as usize] = (before + k) as u32;
             self.drawn_at[i as usize] = i;
         }
+        self.drawn += members.len() as u64;
         let delta = DeltaFormFactors::new(size);
         self.chunks.par_extend(members.par_chunks(CHUNK).map_init(
             || Gatherer::new(tracer, patches, &delta, size),
@@ -225,6 +230,11 @@ impl Transfers {
         self.chunks.iter().map(|c| c.ends.len()).sum()
     }
 
+    /// Number of hemicubes drawn for them: none where they come from bytes.
+    pub fn drawn(&self) -> u64 {
+        self.drawn
+    }
+
     /// Number of form factors stored.
     pub fn len(&self) -> usize {
         let entries = |c: &Chunk| c.steps.iter().filter(|&&step| step != FAR).count();
@@ -239,6 +249,15 @@ impl Transfers {
     /// What patch `row` sees: patch indices, ascending, and their form factors.
     pub fn row(&self, row: usize) -> (Vec<u32>, Vec<f32>) {
         self.entries(row).unzip()
+    }
+
+    /// Damage for tests: patch `row` sees nothing.
+    #[cfg(test)]
+    pub(crate) fn clear_row(&mut self, row: usize) {
+        let at = self.row_of[row] as usize;
+        let (chunk, i) = (&mut self.chunks[at / CHUNK], at % CHUNK);
+        let from = if i == 0 { 0 } else { chunk.ends[i - 1] as usize };
+        chunk.weights[from..chunk.ends[i] as usize].fill(0.0);
     }
 
     /// The same, pair by pair.

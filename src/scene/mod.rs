@@ -6,6 +6,7 @@ mod bounce_keys;
 mod build;
 mod corner_frames;
 mod dirt;
+pub mod effects;
 mod entity_lights;
 pub(crate) mod exact;
 pub mod export;
@@ -25,15 +26,18 @@ pub mod luxels;
 mod materials;
 mod minlight;
 mod models;
+mod narrow;
 mod neighbours;
 mod obstacles;
 mod overrides;
+mod packet;
 mod phong;
 mod projection;
 mod rad;
 mod radiosity_lights;
 mod random;
 mod shadow;
+mod shaft;
 mod shape;
 mod sidecar;
 mod sky_rays;
@@ -67,6 +71,7 @@ pub use models::{AutoMinlight, Model, ShadowClass};
 pub use projection::Projection;
 pub use radiosity_lights::{EmissiveQuality, RadiosityLight, SurflightSettings};
 pub use shadow::ShadowRays;
+pub(crate) use shaft::Floor;
 pub use sidecar::Sidecar;
 pub use sky_rays::Sky;
 pub use solid::Solid;
@@ -116,6 +121,8 @@ pub struct Scene {
     pub solid: Arc<Solid>,
     /// What is odd about the map, one sentence each.
     pub warnings: Vec<String>,
+    /// Lower-case texture names of the surfaces; empty where there is none.
+    pub(crate) names: Vec<String>,
     obstacles: Option<obstacles::Obstacles>,
     shapes: Vec<shape::Shape>,
     neighbours: neighbours::Neighbours,

@@ -148,6 +148,11 @@ impl Tracer {
         normal.dot(corners[0] - eye) > 0.0
     }
 
+    /// Of each slot whether there is solid behind its polygon, as far as that is known; else empty.
+    pub fn backed(&self) -> &[bool] {
+        self.backed.as_ref().map_or(&[], |(backed, _)| backed)
+    }
+
     /// The slots whose polygons show `eye` no back, a flag each; empty if nothing is known of any, or the
     /// eye is in solid itself.
     pub fn hidden_backs(&self, eye: Vec3) -> &[bool] {

@@ -4,6 +4,7 @@ use super::lit_map::{Lit, Prepared};
 use glam::DVec3;
 use qrad::light::bounce_source;
 use qrad::radiosity::bounce::PatchLight;
+use qrad::scene::Role;
 
 /// What the sums of a map come to.
 #[derive(Clone, Copy, Debug, Default)]
@@ -31,8 +32,10 @@ impl MapSums {
     }
 }
 
+/// Area of a patch as far as it takes light out of the map: liquids receive light, but all of it passes on.
 fn area(map: &Prepared, i: usize) -> f64 {
-    map.patches.set.patches[i].area.into()
+    let surface = &map.scene.surfaces[map.patches.surface[i] as usize];
+    if surface.role == Role::Ghost { 0.0 } else { map.patches.set.patches[i].area.into() }
 }
 
 /// Between the planes of the map's surfaces: the errors of single pairs of patches, a few cells each,
@@ -47,7 +50,7 @@ fn asymmetry(map: &Prepared) -> f64 {
     let mut flow = vec![0.0; count * count];
     for i in 0..map.transfers.rows() {
         let (columns, factors) = map.transfers.row(i);
-        for (&j, &f) in columns.iter().zip(factors) {
+        for (&j, &f) in columns.iter().zip(&factors) {
             let [from, to] = [i, j as usize].map(|p| plane[map.patches.surface[p] as usize]);
             flow[from * count + to] += area(map, i) * f64::from(f);
         }
@@ -78,7 +81,7 @@ fn style(map: &Prepared, lit: &Lit, light: &PatchLight) -> (f64, f64) {
         let rho = patch.reflectance.0.as_dvec3();
         let (columns, factors) = map.transfers.row(i);
         let (mut arrives, mut row) = (DVec3::ZERO, 0.0);
-        for (&j, &f) in columns.iter().zip(factors) {
+        for (&j, &f) in columns.iter().zip(&factors) {
             arrives += m[j as usize] * f64::from(f);
             row += f64::from(f);
         }
