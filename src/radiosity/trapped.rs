@@ -30,14 +30,14 @@ pub fn let_out(transfers: &Transfers, reflectance: &mut [Reflectance], limit: f3
 /// For each patch, whether light that leaves it can come to one that `absorbs` or escapes.
 fn leads_to_loss(transfers: &Transfers, absorbs: impl Fn(usize) -> bool) -> Vec<bool> {
     let escapes = |i: usize| {
-        let sum: f64 = transfers.row(i).1.iter().map(|&f| f64::from(f)).sum();
+        let sum: f64 = transfers.entries(i).map(|(_, f)| f64::from(f)).sum();
         sum < 1.0 - ESCAPE
     };
     let mut leads: Vec<bool> = (0..transfers.rows()).map(|i| absorbs(i) || escapes(i)).collect();
     let mut open: Vec<usize> = (0..leads.len()).filter(|&i| leads[i]).collect();
     while let Some(i) = open.pop() {
         // Row i is what sends light to patch i.
-        for &j in transfers.row(i).0 {
+        for (j, _) in transfers.entries(i) {
             if !std::mem::replace(&mut leads[j as usize], true) {
                 open.push(j as usize);
             }
