@@ -2,6 +2,7 @@
 
 use super::hemicube::{Cells, DeltaFormFactors, HemicubeSize, ItemBuffer, View};
 use super::near_pairs::NearPairs;
+use super::overlay_view::{self, OverlayView, Shown};
 use crate::patch::{PatchId, PatchSet, PolygonPatches};
 use crate::scene::Tracer;
 use glam::{DVec3, Vec3, Vec4};
@@ -23,6 +24,8 @@ struct Chunk {
     ends: Vec<u32>,
     columns: Vec<u32>,
     weights: Vec<f32>,
+    /// What an overlay adds to each row; empty without one.
+    overlay: Vec<Vec<(u32, Vec3)>>,
 }
 
 impl Chunk {
@@ -59,6 +62,7 @@ impl Transfers {
                         let view = View::turned(patch.eye, patch.normal, i as u64);
                         gatherer.look(&view);
                         rows.push(gatherer.row(), gatherer.openness());
+                        rows.overlay.extend(gatherer.overlay_row());
                     }
                     advance(done);
                     rows.columns.shrink_to_fit();
@@ -83,11 +87,18 @@ impl Transfers {
     ) {
         let size = size.coarser();
         let delta = DeltaFormFactors::new(size);
-        let start = || (near.work(), Gatherer::new(tracer, patches, &delta, size), Vec::new());
+        let start = || {
+            (
+                near.work(),
+                Gatherer::new(tracer, patches, &delta, size).without_overlay(),
+                Vec::new(),
+            )
+        };
         self.chunks.par_iter_mut().enumerate().for_each_init(
             start,
             |(work, gatherer, row), (number, chunk)| {
-                let old = std::mem::take(chunk);
+                let mut old = std::mem::take(chunk);
+                chunk.overlay = std::mem::take(&mut old.overlay);
                 let mut from = 0;
                 for (k, &to) in old.ends.iter().enumerate() {
                     let members = from..to as usize;
@@ -128,6 +139,24 @@ impl Transfers {
         (&chunk.columns[from..to], &chunk.weights[from..to])
     }
 
+    /// What an overlay adds to the form factors of a row, per channel, by ascending patch: positive for
+    /// translucent patches, negative for those behind them. Empty without one.
+    pub fn overlay_row(&self, row: usize) -> &[(u32, Vec3)] {
+        self.chunks[row / CHUNK].overlay.get(row % CHUNK).map_or(&[], |row| row)
+    }
+
+    /// Replaces what an overlay adds to each row.
+    ///
+    /// # Panics
+    /// If there is not one entry a row.
+    pub fn set_overlay_rows(&mut self, rows: Vec<Vec<(u32, Vec3)>>) {
+        assert_eq!(rows.len(), self.rows(), "one entry a row");
+        let mut rows = rows.into_iter();
+        for chunk in &mut self.chunks {
+            chunk.overlay = rows.by_ref().take(chunk.ends.len()).collect();
+        }
+    }
+
     /// Harmonic mean distance to what patch `row` sees, see [`Gatherer::openness`].
     pub fn openness(&self, row: usize) -> f32 {
         self.chunks[row / CHUNK].openness[row % CHUNK]
@@ -140,10 +169,14 @@ impl Transfers {
             .with_min_len(64)
             .map(|i| {
                 let (columns, weights) = self.row(i);
-                columns
+                let plain = columns
                     .iter()
                     .zip(weights)
-                    .fold(DVec3::ZERO, |sum, (&j, &f)| sum + exitance[j as usize] * f64::from(f))
+                    .fold(DVec3::ZERO, |sum, (&j, &f)| sum + exitance[j as usize] * f64::from(f));
+                match self.overlay_row(i) {
+                    [] => plain,
+                    row => plain + overlay_view::gather(row, exitance),
+                }
             })
             .collect()
     }
@@ -169,6 +202,7 @@ pub struct Gatherer<'a> {
     sums: Vec<f64>,
     row: Vec<(PatchId, f64)>,
     near: Near,
+    overlay: Option<OverlayView<'a>>,
 }
 
 impl<'a> Gatherer<'a> {
@@ -187,7 +221,14 @@ impl<'a> Gatherer<'a> {
             sums: vec![0.0; patches.patches.len()],
             row: Vec::new(),
             near: Near::default(),
+            overlay: OverlayView::new(patches),
         }
+    }
+
+    /// The same without what an overlay adds.
+    pub fn without_overlay(mut self) -> Self {
+        self.overlay = None;
+        self
     }
 
     /// The same, but it also tells apart the `intervals` luxel intervals of the map, of which a luxel is
@@ -230,6 +271,16 @@ impl<'a> Gatherer<'a> {
         for (patch, f) in row.iter_mut() {
             *f = std::mem::take(&mut sums[patch.0 as usize]);
         }
+        if let Some(overlay) = &mut self.overlay {
+            let (buffer, tracer, patches, delta) = seen;
+            overlay.look(Shown { buffer, tracer, patches, delta }, view);
+        }
+    }
+
+    /// What an overlay adds to [`row`](Self::row), as [`Transfers::overlay_row`] has it; `None` without.
+    fn overlay_row(&self) -> Option<Vec<(u32, Vec3)>> {
+        let row = self.overlay.as_ref()?.row();
+        Some(row.iter().map(|&(patch, f)| (patch.0, f.as_vec3())).collect())
     }
 
     /// Form factors from the point looked from to all patches seen, in ascending order of patch.
@@ -248,6 +299,11 @@ impl<'a> Gatherer<'a> {
         out.clear();
         out.resize(exitance.len(), DVec3::ZERO);
         for &(patch, f) in &self.row {
+            for (sum, style) in out.iter_mut().zip(exitance) {
+                *sum += style[patch.0 as usize].as_dvec3() * f;
+            }
+        }
+        for &(patch, f) in self.overlay.iter().flat_map(OverlayView::row) {
             for (sum, style) in out.iter_mut().zip(exitance) {
                 *sum += style[patch.0 as usize].as_dvec3() * f;
             }
