@@ -24,6 +24,7 @@ mod stage;
 mod store;
 
 pub use error::{Error, Result};
+pub use scene::effects::plan;
 pub use store::Files;
 
 use bsp::{Bsp, MipTex};

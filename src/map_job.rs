@@ -60,6 +60,12 @@ pub fn run(
         output::write(&obj, export::obj(&scene).as_bytes())?;
         return Ok(());
     }
+    if cli.effects.explain {
+        let scene = Scene::build(&bsp, sidecar, &settings.scene(textures))
+            .with_context(|| path.display().to_string())?;
+        print!("{}", qrad::plan(&scene, &settings));
+        return Ok(());
+    }
     // A map that goes elsewhere has nothing to do with what lies there.
     let luxels = if target == path { bsp.lighting.len() } else { 0 };
     let progress = Progress::new(visible);

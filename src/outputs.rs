@@ -2,6 +2,7 @@
 
 use crate::lightmap::StyleChoice;
 use crate::scene::LuxelSettings;
+use crate::scene::effects::{Effect, Switches};
 use crate::{Error, Result};
 
 /// Styles that the record of a face holds, and so what every engine reads.
@@ -19,6 +20,8 @@ pub enum LitFile {
     Hdr,
     /// Written in version 2, with sizes, offsets and directions of its own: the map stays as it is.
     Version2,
+    /// Not written.
+    Never,
 }
 
 /// What becomes of the file beside the map that says where light comes from.
@@ -117,6 +120,39 @@ impl Outputs {
         Ok(self)
     }
 
+    /// Follows what the user says of effects.
+    pub(crate) fn switch(&mut self, switches: &Switches) {
+        let of = |effect| switches.of(effect);
+        match of(Effect::Lit) {
+            Some(true) if self.lit == LitFile::Auto => self.lit = LitFile::Always,
+            Some(false) => self.lit = LitFile::Never,
+            _ => {}
+        }
+        match of(Effect::Hdr) {
+            Some(true) => self.lit = LitFile::Hdr,
+            Some(false) => {
+                self.bspx_hdr = false;
+                if self.lit == LitFile::Hdr {
+                    self.lit = LitFile::Auto;
+                }
+            }
+            None => {}
+        }
+        self.bspx_lit = of(Effect::BspxLight).unwrap_or(self.bspx_lit);
+        match of(Effect::Directions) {
+            Some(true) if !self.directions() => self.lux = DirectionFile::Lux,
+            Some(false) => (self.lux, self.bspx_lux) = (DirectionFile::No, false),
+            _ => {}
+        }
+        self.face_normals = of(Effect::FaceNormals).unwrap_or(self.face_normals);
+        if switches.off(Effect::FaceStyles) {
+            self.face_styles = RECORD_STYLES;
+        }
+        if switches.off(Effect::LuxelSizes) {
+            self.luxels = LuxelSettings::default();
+        }
+    }
+
     /// Whether light that bytes cannot hold is written.
     pub fn hdr(&self) -> bool {
         self.lit == LitFile::Hdr || self.bspx_hdr
@@ -143,7 +179,7 @@ impl Outputs {
         match self.lit {
             LitFile::Always => true,
             LitFile::Auto => coloured && self.vanilla && !self.bspx_lit && !self.bspx_hdr,
-            LitFile::Hdr | LitFile::Version2 => false,
+            LitFile::Hdr | LitFile::Version2 | LitFile::Never => false,
         }
     }
 

@@ -58,7 +58,7 @@ impl Counts {
             lights: scene.lights.len(),
             styles: styles.len(),
             rays: direct.iter().map(|d| d.rays).sum(),
-            hemicubes: [transfers.rows() as u64, gathered.hemicubes],
+            hemicubes: [transfers.stored() as u64, gathered.hemicubes],
             transfers: transfers.len(),
             bounces: bounced.bounces,
             residual: bounced.residual,

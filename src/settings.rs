@@ -5,6 +5,7 @@ use crate::lightmap::{DebugView, Gather, GatherSettings, Smoothing};
 use crate::outputs::Outputs;
 use crate::radiosity::hemicube::HemicubeSize;
 use crate::radiosity::near_pairs::NearLimits;
+use crate::scene::effects::{Effect, Switches};
 use crate::scene::{SceneSettings, style_range};
 use crate::{Error, Result};
 
@@ -47,7 +48,11 @@ impl Quality {
 
     /// Cells along the edge of a hemicube, on maps.
     pub fn hemicube(self) -> u32 {
-        if self == Self::Final { 64 } else { 32 }
+        match self {
+            Self::Draft | Self::Normal => 16,
+            Self::High => 32,
+            Self::Final => 64,
+        }
     }
 
     /// Longest edge of a patch in luxels.
@@ -64,8 +69,16 @@ impl Quality {
     pub fn gather_error(self) -> f64 {
         match self {
             Self::Draft => f64::INFINITY,
-            Self::Normal => 0.05,
+            Self::Normal => 0.1,
             Self::High | Self::Final => 0.02,
+        }
+    }
+
+    /// How readily neighbouring patches share a hemicube: see [`Settings::share`].
+    pub fn share(self) -> f32 {
+        match self {
+            Self::Draft | Self::Normal => 0.25,
+            Self::High | Self::Final => 0.0,
         }
     }
 }
@@ -88,6 +101,9 @@ pub struct Settings {
     pub gather: Gather,
     /// Error that interpolation may make, above 0: see [`GatherSettings::error`].
     pub gather_error: f64,
+    /// A patch shares the hemicube of one beside it that is nearer than this share of the harmonic mean
+    /// distance of what that one sees; 0 for none.
+    pub share: f32,
     /// Factor on the reflectance of textures, 0 and up.
     pub reflectance_scale: f32,
     /// Ignore the colour of textures: everything reflects half the light.
@@ -103,6 +119,8 @@ pub struct Settings {
     pub debug: Option<DebugView>,
     /// What is written.
     pub outputs: Outputs,
+    /// Effects switched on or off by hand.
+    pub switches: Switches,
 }
 
 impl Default for Settings {
@@ -123,6 +141,7 @@ impl Settings {
             smoothing: Smoothing { extra: 1, soft: 0 },
             gather: quality.gather(),
             gather_error: quality.gather_error(),
+            share: quality.share(),
             reflectance_scale: 1.0,
             grey: false,
             compat_bounce: false,
@@ -130,7 +149,31 @@ impl Settings {
             overrides: Vec::new(),
             debug: None,
             outputs: Outputs::default(),
+            switches: Switches::default(),
         }
+    }
+
+    /// Makes of the switches what is no matter of the scene.
+    pub fn switched(mut self) -> Self {
+        let of = |effect| self.switches.of(effect);
+        match of(Effect::Supersampling) {
+            Some(true) if self.smoothing.extra == 1 => self.smoothing.extra = 4,
+            Some(false) => self.smoothing = Smoothing { extra: 1, soft: 0 },
+            _ => {}
+        }
+        match of(Effect::NearField) {
+            Some(true) => self.gather_error = self.gather_error.min(Quality::Normal.gather_error()),
+            Some(false) => self.gather_error = f64::INFINITY,
+            None => {}
+        }
+        if of(Effect::Bounces) == Some(true) && self.bounces == Some(0) {
+            self.bounces = None;
+        }
+        if of(Effect::Dirt) == Some(true) {
+            self.overrides.push(("dirt".into(), "1".into()));
+        }
+        self.outputs.switch(&self.switches);
+        self
     }
 
     /// The settings, if every value is in its range.
@@ -192,6 +235,7 @@ impl Settings {
             overrides,
             luxels: self.outputs.luxels.clone(),
             extra: self.smoothing.extra,
+            switches: self.switches.clone(),
         }
     }
 }

@@ -95,7 +95,9 @@ pub(crate) fn transfers(
     progress: &Progress,
 ) -> Transfers {
     let stage = progress.stage("form factors", patches.set.patches.len());
-    Transfers::compute(scene.bounce_tracer(), &patches.set, settings.hemicube, |n| stage.advance(n))
+    let (tracer, leaders) = (scene.bounce_tracer(), patches.leaders());
+    let sharing = (leaders.as_slice(), settings.share);
+    Transfers::shared(tracer, &patches.set, sharing, settings.hemicube, |n| stage.advance(n))
 }
 
 /// Final light of the patches in every style.

@@ -199,3 +199,63 @@ fn rows_sum_to_one_in_closed_maps() {
         assert!(map.transfers.rows() > 100 && worst < 1e-6, "{name}: {worst}");
     }
 }
+
+/// Rows that patches share against a row for each.
+#[test]
+fn shared_rows_tell_almost_the_same_light() {
+    let map = support::lit_map::Prepared::project_map("atrium.bsp", false);
+    let (set, leaders) = (&map.patches.set, map.patches.leaders());
+    assert!(leaders.iter().all(|&l| leaders[l as usize] == l), "leaders lead themselves");
+    let shared = |share: f32| {
+        let (tracer, size) = (map.scene.bounce_tracer(), map.settings.hemicube);
+        Transfers::shared(tracer, set, (&leaders, share), size, |_| {})
+    };
+    // Brightness that varies over the room.
+    let wave = |p: Vec3| 1.0 + 0.5 * (f64::from(p.x + 2.0 * p.y - p.z) / 300.0).sin();
+    let exitance: Vec<DVec3> = set.patches.iter().map(|p| DVec3::splat(wave(p.eye))).collect();
+    let exact = map.transfers.gather(&exitance);
+    let none = shared(0.0);
+    assert_eq!(none.gather(&exitance), exact, "nothing is shared");
+    assert_eq!((none.stored(), none.len()), (none.rows(), map.transfers.len()));
+    let some = shared(0.25);
+    assert!(some.stored() * 10 < some.rows() * 9, "{} of {}", some.stored(), some.rows());
+    let light = some.gather(&exitance);
+    let (mut error, mut sum) = (0.0, 0.0);
+    for (i, (a, b)) in light.iter().zip(&exact).enumerate() {
+        if some.drawn_at(i, leaders[i]) {
+            assert_eq!(a, b, "patch {i} has its own row");
+        }
+        error += (a.x - b.x).powi(2);
+        sum += b.x.powi(2);
+    }
+    let rms = (error / sum).sqrt();
+    println!("{} of {} rows drawn, rms {rms:.4}", some.stored(), some.rows());
+    // What irradiance varies by over this share of the distance to what is seen, in the model of Ward,
+    // Rubinstein and Clear (1988); patches that share are half of that apart or less on the whole.
+    assert!(rms < 4.0 / PI * 0.25 / 2.0, "{rms}");
+}
+
+/// A look that is visited run by run has the form factors of the row.
+#[test]
+fn visits_sum_to_the_row() {
+    let map = support::lit_map::Prepared::project_map("atrium.bsp", false);
+    let set = &map.patches.set;
+    for cells in [16, 26] {
+        let size = HemicubeSize::new(cells, cells).unwrap();
+        let delta = DeltaFormFactors::new(size);
+        let mut gatherer = Gatherer::new(map.scene.bounce_tracer(), set, &delta, size);
+        for (i, patch) in set.patches.iter().enumerate().step_by(37) {
+            let view = View::turned(patch.eye, patch.normal, i as u64);
+            let mut sums = vec![0.0; set.patches.len()];
+            gatherer.visit(&view, 200.0, |patch, _, f| sums[patch.0 as usize] += f64::from(f));
+            let openness = gatherer.openness();
+            gatherer.look(&view);
+            assert_eq!(gatherer.openness(), openness);
+            for &(patch, f) in gatherer.row() {
+                let sum = std::mem::take(&mut sums[patch.0 as usize]);
+                assert!((sum - f).abs() < 1e-6, "patch {i}: {sum} {f}");
+            }
+            assert!(sums.iter().all(|&f| f == 0.0), "patch {i} visits more than its row");
+        }
+    }
+}

@@ -134,7 +134,7 @@ fn options_that_set_a_key_set_one_that_the_scene_reads() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("src/scene");
     let files = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
     let source: String = files
-        .filter(|path| !path.ends_with("overrides.rs"))
+        .filter(|path| path.is_file() && !path.ends_with("overrides.rs"))
         .map(|path| std::fs::read_to_string(path).unwrap())
         .collect();
     for option in OPTIONS.iter().filter(|o| o.effect == Effect::Key) {

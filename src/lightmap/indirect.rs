@@ -133,7 +133,11 @@ impl Face<'_> {
 /// The patches as known points.
 fn known_patches(sources: Sources<'_>, error: f64) -> Interpolator {
     let mut known = Interpolator::new(sources.light.len(), error);
+    let leaders = sources.patches.leaders();
     for (i, patch) in sources.patches.set.patches.iter().enumerate() {
+        if !sources.transfers.drawn_at(i, leaders[i]) {
+            continue;
+        }
         let openness = sources.transfers.openness(i);
         let point = Known::new(patch.eye, patch.normal, openness, patch.area.sqrt());
         known.add(point, sources.light.iter().map(|l| l.irradiance[i].0.as_dvec3()));
@@ -177,16 +181,11 @@ impl Drawn<'_> {
         wanted: impl Fn(&Sample) -> bool + Sync,
         known: Option<&mut Interpolator>,
     ) -> u64 {
-        let Sources { scene, patches, light, .. } = self.sources;
-        let exitance: Vec<Vec<Vec3>> =
-            light.iter().map(|l| l.exitance.iter().map(|m| m.0).collect()).collect();
+        let Sources { scene, patches, .. } = self.sources;
         let drawn: Vec<Vec<(Known, Vec<DVec3>)>> = faces
             .par_iter_mut()
             .map_init(
-                || {
-                    Gatherer::new(scene.bounce_tracer(), &patches.set, &self.delta, self.size)
-                        .with_intervals(patches.intervals.len(), LUXEL)
-                },
+                || Gatherer::new(scene.bounce_tracer(), &patches.set, &self.delta, self.size),
                 |gatherer, face| {
                     let here: Vec<usize> =
                         face.missing().filter(|&i| wanted(&face.sample(i))).collect();
@@ -194,10 +193,8 @@ impl Drawn<'_> {
                         .map(|i| {
                             let sample = face.sample(i);
                             let (at, seed) = (sample.position, seed(sample.position));
-                            gatherer.look(&View::turned(at, sample.normal, seed));
-                            let mut light = Vec::new();
-                            gatherer.irradiance(&exitance, &mut light);
-                            self.add_detail(gatherer.intervals(), &mut light);
+                            let view = View::turned(at, sample.normal, seed);
+                            let light = self.arriving(gatherer, &view);
                             face.light[i] = Some(light.clone());
                             let openness = gatherer.openness();
                             let (at, normal) = (sample.position, sample.normal);
@@ -216,16 +213,37 @@ impl Drawn<'_> {
         count
     }
 
-    /// Adds what the light of the `intervals` seen from nearby differs from that of their patches.
-    fn add_detail(&self, intervals: &[(u32, f64)], light: &mut [DVec3]) {
-        for &(interval, f) in intervals {
-            let (surface, k) = self.sources.patches.intervals.place(interval);
-            for (sum, style) in light.iter_mut().zip(self.sources.light) {
-                if let Some(more) = style.detail.get(surface).and_then(|d| d.get(k)) {
-                    *sum += more.as_dvec3() * f;
+    /// What arrives at `view` in each style: of far patches their mean light, of near ones that of each
+    /// luxel interval.
+    fn arriving(&self, gatherer: &mut Gatherer<'_>, view: &View) -> Vec<DVec3> {
+        let Sources { patches, light, .. } = self.sources;
+        let mut sums = vec![DVec3::ZERO; light.len()];
+        // Cells beyond this depth are too wide to tell intervals apart.
+        let reach = 0.5 * self.size.width() as f32 * LUXEL;
+        let mut face = (u32::MAX, 0);
+        gatherer.visit(view, reach, |patch, interval, f| {
+            let interval = interval.map(|i| {
+                if face.0 != i.first {
+                    face = (i.first, patches.intervals.place(i.first).0);
                 }
+                (face.1, i.number as usize)
+            });
+            for (sum, style) in sums.iter_mut().zip(light) {
+                let mut exitance = style.exitance[patch.0 as usize].0;
+                if let Some((surface, k)) = interval
+                    && let Some(more) = style.detail.get(surface).and_then(|d| d.get(k))
+                {
+                    exitance += *more;
+                }
+                *sum += exitance.as_dvec3() * f64::from(f);
+            }
+        });
+        for &(patch, f) in gatherer.overlay() {
+            for (sum, style) in sums.iter_mut().zip(light) {
+                *sum += style.exitance[patch.0 as usize].0.as_dvec3() * f;
             }
         }
+        sums
     }
 }
 

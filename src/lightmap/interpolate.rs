@@ -164,6 +164,9 @@ impl Interpolator {
 /// How much a point at `offset` counts at normal `here`, from 0 for not at all to 1. It falls smoothly
 /// to 0, so that no point appears or vanishes with a jump.
 fn weight(point: &Known, here: Vec3, offset: Vec3) -> f64 {
+    if offset.length_squared() >= point.reach * point.reach {
+        return 0.0;
+    }
     let bend = BEND * (1.0 - here.dot(point.normal)).max(0.0).sqrt();
     let error = offset.length() / point.reach + bend;
     if error >= 1.0 { 0.0 } else { f64::from((1.0 - error * error).powi(2)) }

@@ -60,7 +60,11 @@ impl PatchGrid {
 
     /// The patch at luxel coordinates; points outside (by rounding) belong to the nearest block.
     pub fn at(&self, s: f32, t: f32) -> PatchId {
-        let [column, row] = self.column_and_row(s, t);
+        self.of_interval(self.column_and_row(s, t), [s, t])
+    }
+
+    /// The patch at luxel coordinates, which are in the luxel interval in this column and row.
+    pub fn of_interval(&self, [column, row]: [usize; 2], [s, t]: [f32; 2]) -> PatchId {
         let cell = usize::from(self.block_row[row]) * self.columns;
         let patch = self.blocks[cell + usize::from(self.block_column[column])];
         if patch != Self::DIVIDED {
@@ -75,12 +79,6 @@ impl PatchGrid {
     fn column_and_row(&self, s: f32, t: f32) -> [usize; 2] {
         // `as` saturates: below 0 and NaN become the first interval.
         [(s as usize).min(self.block_column.len() - 1), (t as usize).min(self.block_row.len() - 1)]
-    }
-
-    /// Number of the luxel interval at luxel coordinates, points outside as for [`at`](Self::at).
-    pub fn interval(&self, s: f32, t: f32) -> u32 {
-        let [column, row] = self.column_and_row(s, t);
-        self.first_interval + (row * self.block_column.len() + column) as u32
     }
 
     /// Block of interval number `k` of the face.

@@ -3,6 +3,7 @@
 mod blocks;
 mod cuts;
 mod detail;
+mod leaders;
 mod lookup;
 mod overlay;
 mod pattern;

@@ -5,11 +5,14 @@
 //! no second sampling exists. Thin walls and doors that stand within a block divide it: `cuts`.
 
 use super::blocks::{Block, FaceBlocks, LIFT};
-use super::{Intervals, Patch, PatchGrid, PatchLookup, PatchSet, PolygonPatches};
+use super::{
+    Intervals, Overlay, Patch, PatchGrid, PatchLookup, PatchSet, PolygonPatches, Sheet, Tint,
+};
 use crate::photometry::{Exitance, Irradiance, Reflectance};
 use crate::scene::{Emitter, Sample, Scene, Surface, luxels};
 use glam::Vec3;
 use rayon::prelude::*;
+use std::sync::Arc;
 
 /// Patches of a map.
 #[derive(Debug, Default)]
@@ -74,6 +77,10 @@ impl MapPatches {
             });
         }
         patches.set.lookup = PatchLookup::new(divisions);
+        let (polygons, panes) = scene.panes();
+        let sheet = |pane| Sheet { tint: Tint::Pane(pane), sides: [None; 2] };
+        let sheets = panes.into_iter().map(sheet).collect();
+        patches.set.overlay = Overlay::new(polygons, sheets, Vec::new()).map(Arc::new);
         patches
     }
 

@@ -4,9 +4,10 @@ use super::hemicube::{Cells, DeltaFormFactors, HemicubeSize, ItemBuffer, View};
 use super::near_pairs::NearPairs;
 use super::overlay_view::{self, OverlayView, Shown};
 use crate::patch::{PatchId, PatchSet, PolygonPatches};
-use crate::scene::Tracer;
+use crate::scene::{ShadowRays, Tracer};
 use glam::{DVec3, Vec3, Vec4};
 use rayon::prelude::*;
+use wide::f32x8;
 
 /// Rows computed, and stored, as one piece.
 const CHUNK: usize = 32;
@@ -15,7 +16,11 @@ const CHUNK: usize = 32;
 /// is seen from its front. Rows sum to 1 in a closed room.
 #[derive(Default)]
 pub struct Transfers {
+    /// Rows are stored in them one after the other; the last of those drawn at one time may have fewer
+    /// than [`CHUNK`].
     chunks: Vec<Chunk>,
+    /// Where the row of each patch is: chunk times [`CHUNK`], and place in the chunk.
+    row_of: Vec<u32>,
 }
 
 #[derive(Default)]
@@ -37,6 +42,12 @@ impl Chunk {
         }
         self.ends.push(self.columns.len() as u32);
     }
+
+    fn row(&self, i: usize) -> (&[u32], &[f32]) {
+        let from = if i == 0 { 0 } else { self.ends[i - 1] as usize };
+        let to = self.ends[i] as usize;
+        (&self.columns[from..to], &self.weights[from..to])
+    }
 }
 
 impl Transfers {
@@ -47,31 +58,79 @@ impl Transfers {
         size: HemicubeSize,
         advance: impl Fn(u64) + Sync,
     ) -> Self {
-        let delta = DeltaFormFactors::new(size);
-        let count = patches.patches.len();
-        let chunks = (0..count.div_ceil(CHUNK))
-            .into_par_iter()
+        let all: Vec<u32> = (0..patches.patches.len() as u32).collect();
+        let mut transfers = Self { chunks: Vec::new(), row_of: vec![0; all.len()] };
+        transfers.draw(tracer, patches, size, &all, advance);
+        transfers
+    }
+
+    /// The same, but patch i does without a hemicube of its own where the row of patch `leaders[i]`, on
+    /// the same face, does as well: where they see each other and the distance between them is less
+    /// than `share` of the harmonic mean distance of what the leader sees. A leader leads itself; with
+    /// a `share` of 0 all rows are drawn.
+    pub fn shared(
+        tracer: &Tracer,
+        patches: &PatchSet,
+        (leaders, share): (&[u32], f32),
+        size: HemicubeSize,
+        advance: impl Fn(u64) + Sync,
+    ) -> Self {
+        let all = 0..leaders.len() as u32;
+        let (first, rest): (Vec<u32>, Vec<u32>) = all.partition(|&i| leaders[i as usize] == i);
+        let mut transfers = Self { chunks: Vec::new(), row_of: vec![0; leaders.len()] };
+        transfers.draw(tracer, patches, size, &first, &advance);
+        let alone: Vec<u32> = rest
+            .par_iter()
+            .copied()
             .map_init(
-                || Gatherer::new(tracer, patches, &delta, size),
-                |gatherer, chunk| {
-                    let mut rows = Chunk::default();
-                    let members = chunk * CHUNK..((chunk + 1) * CHUNK).min(count);
-                    let done = members.len() as u64;
-                    for i in members {
-                        let patch = &patches.patches[i];
-                        let view = View::turned(patch.eye, patch.normal, i as u64);
-                        gatherer.look(&view);
-                        rows.push(gatherer.row(), gatherer.openness());
-                        rows.overlay.extend(gatherer.overlay_row());
-                    }
-                    advance(done);
-                    rows.columns.shrink_to_fit();
-                    rows.weights.shrink_to_fit();
-                    rows
+                || ShadowRays::new(tracer),
+                |shadows, i| {
+                    let leader = leaders[i as usize];
+                    let [here, there] = [i, leader].map(|k| patches.patches[k as usize].eye);
+                    let reach = share * transfers.openness(leader as usize);
+                    (here.distance(there) >= reach || shadows.blocked(here, there)).then_some(i)
                 },
             )
+            .flatten()
             .collect();
-        Self { chunks }
+        for &i in &rest {
+            transfers.row_of[i as usize] = transfers.row_of[leaders[i as usize] as usize];
+        }
+        advance((rest.len() - alone.len()) as u64);
+        transfers.draw(tracer, patches, size, &alone, advance);
+        transfers
+    }
+
+    /// Draws hemicubes at these patches.
+    fn draw(
+        &mut self,
+        tracer: &Tracer,
+        patches: &PatchSet,
+        size: HemicubeSize,
+        members: &[u32],
+        advance: impl Fn(u64) + Sync,
+    ) {
+        let before = self.chunks.len() * CHUNK;
+        for (k, &i) in members.iter().enumerate() {
+            self.row_of[i as usize] = (before + k) as u32;
+        }
+        let delta = DeltaFormFactors::new(size);
+        self.chunks.par_extend(members.par_chunks(CHUNK).map_init(
+            || Gatherer::new(tracer, patches, &delta, size),
+            |gatherer, members| {
+                let mut rows = Chunk::default();
+                for &i in members {
+                    let patch = &patches.patches[i as usize];
+                    gatherer.look(&View::turned(patch.eye, patch.normal, i.into()));
+                    rows.push(gatherer.row(), gatherer.openness());
+                    rows.overlay.extend(gatherer.overlay_row());
+                }
+                advance(members.len() as u64);
+                rows.columns.shrink_to_fit();
+                rows.weights.shrink_to_fit();
+                rows
+            },
+        ));
     }
 
     /// Improves the rows that one hemicube of `size` at the middle of a patch gets wrong, see
@@ -115,8 +174,13 @@ impl Transfers {
         );
     }
 
-    /// Number of rows.
+    /// Number of patches: each has a row.
     pub fn rows(&self) -> usize {
+        self.row_of.len()
+    }
+
+    /// Number of rows that are stored: fewer where patches share them.
+    pub fn stored(&self) -> usize {
         self.chunks.iter().map(|c| c.ends.len()).sum()
     }
 
@@ -132,25 +196,23 @@ impl Transfers {
 
     /// What patch `row` sees: patch indices, ascending, and their form factors.
     pub fn row(&self, row: usize) -> (&[u32], &[f32]) {
-        let chunk = &self.chunks[row / CHUNK];
-        let i = row % CHUNK;
-        let from = if i == 0 { 0 } else { chunk.ends[i - 1] as usize };
-        let to = chunk.ends[i] as usize;
-        (&chunk.columns[from..to], &chunk.weights[from..to])
+        let at = self.row_of[row] as usize;
+        self.chunks[at / CHUNK].row(at % CHUNK)
     }
 
     /// What an overlay adds to the form factors of a row, per channel, by ascending patch: positive for
     /// translucent patches, negative for those behind them. Empty without one.
     pub fn overlay_row(&self, row: usize) -> &[(u32, Vec3)] {
-        self.chunks[row / CHUNK].overlay.get(row % CHUNK).map_or(&[], |row| row)
+        let at = self.row_of[row] as usize;
+        self.chunks[at / CHUNK].overlay.get(at % CHUNK).map_or(&[], |row| row)
     }
 
-    /// Replaces what an overlay adds to each row.
+    /// Replaces what an overlay adds to each row, where all rows were drawn.
     ///
     /// # Panics
     /// If there is not one entry a row.
     pub fn set_overlay_rows(&mut self, rows: Vec<Vec<(u32, Vec3)>>) {
-        assert_eq!(rows.len(), self.rows(), "one entry a row");
+        assert_eq!(rows.len(), self.stored(), "one entry a row");
         let mut rows = rows.into_iter();
         for chunk in &mut self.chunks {
             chunk.overlay = rows.by_ref().take(chunk.ends.len()).collect();
@@ -159,37 +221,37 @@ impl Transfers {
 
     /// Harmonic mean distance to what patch `row` sees, see [`Gatherer::openness`].
     pub fn openness(&self, row: usize) -> f32 {
-        self.chunks[row / CHUNK].openness[row % CHUNK]
+        let at = self.row_of[row] as usize;
+        self.chunks[at / CHUNK].openness[at % CHUNK]
     }
 
     /// Irradiance at each patch when patch j has exitance `exitance[j]`: E_i = sum_j F_ij M_j.
     pub fn gather(&self, exitance: &[DVec3]) -> Vec<DVec3> {
-        (0..self.rows())
-            .into_par_iter()
-            .with_min_len(64)
-            .map(|i| {
-                let (columns, weights) = self.row(i);
-                let plain = columns
-                    .iter()
-                    .zip(weights)
-                    .fold(DVec3::ZERO, |sum, (&j, &f)| sum + exitance[j as usize] * f64::from(f));
-                match self.overlay_row(i) {
-                    [] => plain,
-                    row => plain + overlay_view::gather(row, exitance),
+        let of_row = |(columns, weights): (&[u32], &[f32])| {
+            columns
+                .iter()
+                .zip(weights)
+                .fold(DVec3::ZERO, |sum, (&j, &f)| sum + exitance[j as usize] * f64::from(f))
+        };
+        let rows: Vec<Vec<DVec3>> = self
+            .chunks
+            .par_iter()
+            .map(|chunk| {
+                let mut rows: Vec<DVec3> =
+                    (0..chunk.ends.len()).map(|i| of_row(chunk.row(i))).collect();
+                for (sum, row) in rows.iter_mut().zip(&chunk.overlay) {
+                    *sum += overlay_view::gather(row, exitance);
                 }
+                rows
             })
-            .collect()
+            .collect();
+        self.row_of.iter().map(|&at| rows[at as usize / CHUNK][at as usize % CHUNK]).collect()
     }
-}
 
-/// The luxel intervals that a hemicube shows from nearby.
-#[derive(Default)]
-struct Near {
-    /// Cells beyond this depth are too wide to tell intervals apart; 0 if they are not wanted.
-    reach: f32,
-    /// Sum for each interval; zero outside a call of `look`.
-    sums: Vec<f32>,
-    row: Vec<(u32, f64)>,
+    /// Whether the row of patch `i` was drawn at that patch; `leader` is its leader.
+    pub fn drawn_at(&self, i: usize, leader: u32) -> bool {
+        leader as usize == i || self.row_of[i] != self.row_of[leader as usize]
+    }
 }
 
 /// Turns hemicubes into sums over patches. Holds the buffers that are reused.
@@ -200,8 +262,9 @@ pub struct Gatherer<'a> {
     buffer: ItemBuffer,
     /// Sum for each patch; zero outside a call of `look`.
     sums: Vec<f64>,
+    /// A bit for each patch that has a sum.
+    touched: Vec<u64>,
     row: Vec<(PatchId, f64)>,
-    near: Near,
     overlay: Option<OverlayView<'a>>,
 }
 
@@ -219,8 +282,8 @@ impl<'a> Gatherer<'a> {
             delta,
             buffer: ItemBuffer::new(size),
             sums: vec![0.0; patches.patches.len()],
+            touched: vec![0; patches.patches.len().div_ceil(64)],
             row: Vec::new(),
-            near: Near::default(),
             overlay: OverlayView::new(patches),
         }
     }
@@ -231,50 +294,38 @@ impl<'a> Gatherer<'a> {
         self
     }
 
-    /// The same, but it also tells apart the `intervals` luxel intervals of the map, of which a luxel is
-    /// `luxel` world units wide: see [`intervals`](Self::intervals).
-    pub fn with_intervals(mut self, intervals: usize, luxel: f32) -> Self {
-        let width = self.buffer.size().width() as f32;
-        self.near =
-            Near { reach: 0.5 * width * luxel, sums: vec![0.0; intervals], row: Vec::new() };
-        self
-    }
-
     /// Draws the hemicube of `view`; the other functions tell what it shows.
     pub fn look(&mut self, view: &View) {
         self.buffer.draw(self.tracer, view);
         self.row.clear();
-        let (sums, row) = (&mut self.sums, &mut self.row);
-        let near = &mut self.near;
-        let (reach, fine, fine_row) = (near.reach, &mut near.sums, &mut near.row);
-        fine_row.clear();
+        let (sums, touched, row) = (&mut self.sums, &mut self.touched, &mut self.row);
         let seen = (&self.buffer, self.tracer, self.patches, self.delta);
-        for_each_patch(seen, view, reach, |patch, interval, f| {
-            let sum = &mut sums[patch.0 as usize];
-            if *sum == 0.0 {
-                row.push((patch, 0.0));
-            }
-            *sum += f64::from(f);
-            if let Some(interval) = interval {
-                let sum = &mut fine[interval as usize];
-                if *sum == 0.0 {
-                    fine_row.push((interval, 0.0));
-                }
-                *sum += f;
-            }
+        for_each_patch(seen, view, 0.0, |patch, _, f| {
+            sums[patch.0 as usize] += f64::from(f);
+            touched[patch.0 as usize / 64] |= 1 << (patch.0 % 64);
         });
-        fine_row.sort_unstable_by_key(|&(interval, _)| interval);
-        for (interval, f) in fine_row.iter_mut() {
-            *f = std::mem::take(&mut fine[*interval as usize]).into();
+        for (k, word) in touched.iter_mut().enumerate() {
+            let mut bits = std::mem::take(word);
+            while bits != 0 {
+                let patch = 64 * k + bits.trailing_zeros() as usize;
+                bits &= bits - 1;
+                row.push((PatchId(patch as u32), std::mem::take(&mut sums[patch])));
+            }
         }
-        row.sort_unstable_by_key(|&(patch, _)| patch);
-        for (patch, f) in row.iter_mut() {
-            *f = std::mem::take(&mut sums[patch.0 as usize]);
-        }
+        self.look_at_overlay(view);
+    }
+
+    fn look_at_overlay(&mut self, view: &View) {
         if let Some(overlay) = &mut self.overlay {
-            let (buffer, tracer, patches, delta) = seen;
+            let (buffer, tracer) = (&self.buffer, self.tracer);
+            let (patches, delta) = (self.patches, self.delta);
             overlay.look(Shown { buffer, tracer, patches, delta }, view);
         }
+    }
+
+    /// What an overlay adds to what the last look showed, per channel, by ascending patch.
+    pub fn overlay(&self) -> &[(PatchId, DVec3)] {
+        self.overlay.as_ref().map_or(&[], OverlayView::row)
     }
 
     /// What an overlay adds to [`row`](Self::row), as [`Transfers::overlay_row`] has it; `None` without.
@@ -283,15 +334,25 @@ impl<'a> Gatherer<'a> {
         Some(row.iter().map(|&(patch, f)| (patch.0, f.as_vec3())).collect())
     }
 
+    /// Draws the hemicube of `view` and calls `visit(patch, interval, form factor)` for what it shows, in
+    /// a fixed order; patches come up many times. Luxel intervals, of those of the map, are told up to
+    /// depth `reach`. Afterwards only [`openness`](Self::openness) and [`overlay`](Self::overlay) know of this look.
+    pub fn visit(
+        &mut self,
+        view: &View,
+        reach: f32,
+        visit: impl FnMut(PatchId, Option<Interval>, f32),
+    ) {
+        self.buffer.draw(self.tracer, view);
+        self.row.clear();
+        let seen = (&self.buffer, self.tracer, self.patches, self.delta);
+        for_each_patch(seen, view, reach, visit);
+        self.look_at_overlay(view);
+    }
+
     /// Form factors from the point looked from to all patches seen, in ascending order of patch.
     pub fn row(&self) -> &[(PatchId, f64)] {
         &self.row
-    }
-
-    /// Form factors from the point looked from to the luxel intervals that are near enough to be told
-    /// apart, by ascending number of the interval; part of what [`row`](Self::row) has.
-    pub fn intervals(&self) -> &[(u32, f64)] {
-        &self.near.row
     }
 
     /// Irradiance at the point looked from when patch j has exitance `exitance[j]`, for each style.
@@ -303,7 +364,7 @@ impl<'a> Gatherer<'a> {
                 *sum += style[patch.0 as usize].as_dvec3() * f;
             }
         }
-        for &(patch, f) in self.overlay.iter().flat_map(OverlayView::row) {
+        for &(patch, f) in self.overlay() {
             for (sum, style) in out.iter_mut().zip(exitance) {
                 *sum += style[patch.0 as usize].as_dvec3() * f;
             }
@@ -314,25 +375,43 @@ impl<'a> Gatherer<'a> {
     /// infinite when nothing is seen. Irradiance varies over lengths of this order (G. Ward, F.
     /// Rubinstein and R. Clear, "A ray tracing solution for diffuse interreflection", 1988).
     pub fn openness(&self) -> f32 {
-        let mut inverse = 0.0;
+        let mut inverse = f32x8::ZERO;
         self.buffer.for_each_row(|cells| {
             let from = (cells.y * self.buffer.size().width() + cells.x) as usize;
             let weights = &self.delta.over_length(cells.side)[from..];
-            inverse += cells.nearness.iter().zip(weights).map(|(n, w)| n * w).sum::<f32>();
+            inverse += lanes(cells.nearness, 0.0) * lanes(&weights[..cells.nearness.len()], 0.0);
         });
-        1.0 / inverse
+        1.0 / inverse.reduce_add()
     }
 }
 
-/// Calls `visit(patch, luxel interval, form factor)` for every cell or run of cells that shows the front
-/// of a patch; intervals are told up to depth `reach`.
+/// A luxel interval of a face, the square between four luxels.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Interval {
+    /// Number of the face's first interval among those of the map.
+    pub first: u32,
+    /// Its number on the face.
+    pub number: u32,
+}
+
+/// Up to eight values in lanes, the rest filled up.
+fn lanes(values: &[f32], rest: f32) -> f32x8 {
+    let mut all = [rest; 8];
+    all[..values.len()].copy_from_slice(values);
+    f32x8::new(all)
+}
+
+/// Calls `visit(patch, luxel interval, form factor)` for runs of cells that show the front of a patch;
+/// intervals are told up to depth `reach`.
 fn for_each_patch(
     (buffer, tracer, patches, delta): (&ItemBuffer, &Tracer, &PatchSet, &DeltaFormFactors),
     view: &View,
     reach: f32,
-    mut visit: impl FnMut(PatchId, Option<u32>, f32),
+    mut visit: impl FnMut(PatchId, Option<Interval>, f32),
 ) {
+    const STEPS: f32x8 = f32x8::new([0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0]);
     let size = buffer.size();
+    let mut fronts = Fronts::default();
     buffer.for_each_row(|cells| {
         let weights = &delta.of(cells.side)[(cells.y * size.width() + cells.x) as usize..];
         let mut from = 0;
@@ -341,18 +420,10 @@ fn for_each_patch(
             let run = cells.items[from..].iter().take_while(|&&i| i == item).count();
             let (first, to) = (from, from + run);
             from = to;
-            if item == Cells::NOTHING {
+            if item == Cells::NOTHING || !fronts.seen(item, tracer, view) {
                 continue;
             }
-            let division = patches.lookup.polygon(item);
-            if matches!(division, PolygonPatches::None) {
-                continue;
-            }
-            let polygon = &tracer.polygons()[item as usize];
-            if polygon.normal.dot(view.position - polygon.vertices[0]) <= 0.0 {
-                continue;
-            }
-            match division {
+            match patches.lookup.polygon(item) {
                 PolygonPatches::None => {}
                 PolygonPatches::Whole(patch) => {
                     visit(*patch, None, weights[first..to].iter().sum());
@@ -361,23 +432,63 @@ fn for_each_patch(
                     // Luxel coordinates along the ray: at the eye, plus direction / nearness.
                     let [a, b, c] = view.axes(cells.side);
                     let at = size.cell_centre(cells.side, cells.x, cells.y);
-                    let next = size.cell_centre(cells.side, cells.x + 1, cells.y).x - at.x;
+                    let next = 2.0 / size.width() as f32;
                     let start = c + b * at.y + a * at.x;
-                    let linear = |row: Vec4| {
+                    let depth = f32x8::ONE / lanes(cells.nearness, 1.0);
+                    let interval = |row: Vec4, count: usize| {
                         let r = row.truncate();
-                        (r.dot(view.position) + row.w, r.dot(start), r.dot(a) * next)
+                        let slope = STEPS * f32x8::splat(r.dot(a) * next);
+                        let along = (f32x8::splat(r.dot(start)) + slope) * depth;
+                        let at = along + f32x8::splat(r.dot(view.position) + row.w);
+                        // What is out of range, by rounding, belongs to the last. Truncated numbers
+                        // are small: the casts are exact, and quick to signed integers.
+                        let last = f32x8::splat((count - 1) as f32);
+                        let number = f32x8::ZERO.fast_max(at).fast_min(last).to_array();
+                        (number.map(|v| v as i32 as u32), at.to_array())
                     };
-                    let (s, t) = (linear(grid.s_row), linear(grid.t_row));
-                    let cells = cells.nearness.iter().zip(weights).enumerate();
-                    for (i, (near, weight)) in cells.take(to).skip(first) {
-                        let depth = 1.0 / near;
-                        let column = s.0 + (s.1 + s.2 * i as f32) * depth;
-                        let row = t.0 + (t.1 + t.2 * i as f32) * depth;
-                        let interval = (depth < reach).then(|| grid.interval(column, row));
-                        visit(grid.at(column, row), interval, *weight);
+                    let (columns, s) = interval(grid.s_row, grid.block_column.len());
+                    let (rows, t) = interval(grid.t_row, grid.block_row.len());
+                    let depth = depth.to_array();
+                    let place = |i: usize| {
+                        let (column, row) = (columns[i], rows[i]);
+                        let near = depth[i] < reach;
+                        let number = row * grid.block_column.len() as u32 + column;
+                        let interval = Interval { first: grid.first_interval, number };
+                        let patch = grid.of_interval([column as usize, row as usize], [s[i], t[i]]);
+                        (patch, near.then_some(interval))
+                    };
+                    let (mut here, mut sum) = (place(first), weights[first]);
+                    for (i, weight) in weights.iter().enumerate().take(to).skip(first + 1) {
+                        let next = place(i);
+                        if next != here {
+                            visit(here.0, here.1, sum);
+                            (here, sum) = (next, 0.0);
+                        }
+                        sum += weight;
                     }
+                    visit(here.0, here.1, sum);
                 }
             }
         }
     });
+}
+
+/// Which polygons are seen from their front: remembers the last ones asked for.
+struct Fronts([(u32, bool); 16]);
+
+impl Default for Fronts {
+    fn default() -> Self {
+        Self([(Cells::NOTHING, false); 16])
+    }
+}
+
+impl Fronts {
+    fn seen(&mut self, item: u32, tracer: &Tracer, view: &View) -> bool {
+        let known = &mut self.0[item as usize % 16];
+        if known.0 != item {
+            let polygon = &tracer.polygons()[item as usize];
+            *known = (item, polygon.normal.dot(view.position - polygon.vertices[0]) > 0.0);
+        }
+        known.1
+    }
 }

@@ -1,6 +1,7 @@
 //! From a parsed BSP to a [`Scene`].
 
 use super::Scene;
+use super::effects::{self, Parts, Switches};
 use super::entity_lights;
 use super::extremes;
 use super::face_reader::FaceReader;
@@ -51,6 +52,8 @@ pub struct SceneSettings {
     pub luxels: LuxelSettings,
     /// Samples along the edge of a luxel: 1, 2 or 4.
     pub extra: u32,
+    /// Effects switched on or off by hand.
+    pub switches: Switches,
 }
 
 impl Default for SceneSettings {
@@ -64,6 +67,7 @@ impl Default for SceneSettings {
             overrides: Vec::new(),
             luxels: LuxelSettings::default(),
             extra: 1,
+            switches: Switches::default(),
         }
     }
 }
@@ -94,7 +98,7 @@ impl Scene {
         let contents: Vec<i32> = bsp.leafs.iter().map(|l| l.contents).collect();
         let leaf_solid = sidecar::solid_leafs(sidecar.content, &contents, &mut warnings);
         let solid = Solid::new(bsp, leaf_solid);
-        let models = models::read(bsp, &entities, &mut warnings);
+        let mut models = models::read(bsp, &entities, &mut warnings);
 
         let materials = Materials::new(bsp, settings, &world.bounce);
         smooth_models(bsp, &models, &mut keys);
@@ -127,7 +131,7 @@ impl Scene {
             colours: &colours,
             area_lights: settings.area_lights,
         };
-        let emitters = surface_lights::add_copies(&mut drafts, &light_faces, &mut warnings)?;
+        let mut emitters = surface_lights::add_copies(&mut drafts, &light_faces, &mut warnings)?;
         world.dirt.in_use |= drafts.iter().any(|d| d.light.dirt.wanted);
         let (mut radiosity_lights, glows) = radiosity_lights::build(
             &drafts,
@@ -143,9 +147,21 @@ impl Scene {
         let mut random = Random::new();
         let (lights, sky) =
             light_list::finish(drafts, &entities, &world, &solid, &mut random, &mut warnings)?;
-        let (local_minlights, lights): (_, Vec<_>) =
+        let (mut local_minlights, mut lights): (Vec<_>, Vec<_>) =
             lights.into_iter().partition(|l| l.attenuation == Attenuation::LocalMinimum);
-        let suns = suns::make(&worldspawn, &world, &sky, &mut random)?;
+        let mut suns = suns::make(&worldspawn, &world, &sky, &mut random)?;
+        let mut parts = Parts {
+            surfaces: &mut surfaces,
+            models: &mut models,
+            lights: &mut lights,
+            local_minlights: &mut local_minlights,
+            radiosity_lights: &mut radiosity_lights,
+            suns: &mut suns,
+            emitters: &mut emitters,
+            world: &mut world,
+            names: &names,
+        };
+        effects::apply(&settings.switches, &mut parts);
 
         let light_grid = LightGrid::read(&worldspawn, &entities, &surfaces, &mut warnings)?;
 
@@ -179,6 +195,7 @@ impl Scene {
             filters,
             solid,
             warnings,
+            names,
             shapes,
             neighbours: Neighbours::new(bsp, &smoothing),
             obstacles,

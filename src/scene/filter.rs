@@ -5,19 +5,21 @@ use super::Scene;
 use super::build::SceneSettings;
 use super::hull;
 use super::models::Model;
+use super::pane::{Pane, PaneColour};
 use super::surface::{Role, Surface};
 use super::texels::Texels;
 use super::tracer::{Polygon, Tracer};
 use crate::bsp::{Bsp, TexInfo};
 use glam::{Vec3, Vec4};
 use std::collections::HashMap;
+use std::sync::Arc;
 
 /// The polygons that filter light, apart from those that always block it.
 pub struct Filters {
     tracer: Tracer,
     /// By polygon of `tracer`.
     casters: Vec<Caster>,
-    textures: Vec<Texels>,
+    textures: Vec<Arc<Texels>>,
 }
 
 /// How one polygon filters.
@@ -150,7 +152,7 @@ struct Builder<'a> {
     settings: &'a SceneSettings,
     polygons: Vec<Polygon>,
     casters: Vec<Caster>,
-    textures: Vec<Texels>,
+    textures: Vec<Arc<Texels>>,
     /// Index in `textures` of a slot of the texture lump.
     by_slot: HashMap<u32, Option<usize>>,
 }
@@ -182,7 +184,7 @@ impl Builder<'_> {
             None => {
                 let found = Texels::find(self.bsp, slot, &self.settings.textures);
                 let place = found.map(|texels| {
-                    self.textures.push(texels);
+                    self.textures.push(Arc::new(texels));
                     self.textures.len() - 1
                 });
                 self.by_slot.insert(slot, place);
@@ -215,6 +217,34 @@ impl Builder<'_> {
 }
 
 impl Scene {
+    /// The glass that all light meets alike, and so bounced light too: polygons and what each does.
+    pub fn panes(&self) -> (Vec<Polygon>, Vec<Pane>) {
+        let is_pane = |c: &(&Polygon, &Caster)| {
+            let model = &self.models[c.1.model as usize];
+            c.1.opacity < 1.0
+                && c.1.mask & 1 != 0
+                && model.switchable().is_none()
+                && !model.shadow_self
+                && !model.shadow_world_only
+        };
+        let casters = self.filters.tracer.polygons().iter().zip(&self.filters.casters);
+        casters
+            .filter(is_pane)
+            .map(|(polygon, caster)| {
+                let texture = |p: &Picture| {
+                    let texels = Arc::clone(&self.filters.textures[p.texels]);
+                    PaneColour::Texture(texels, [p.s, p.t], p.offset)
+                };
+                let pane = Pane {
+                    normal: caster.normal,
+                    opacity: caster.opacity,
+                    colour: caster.picture.as_ref().map(texture),
+                };
+                (polygon.clone(), pane)
+            })
+            .unzip()
+    }
+
     /// Whether some light is filtered on its way.
     pub fn has_filters(&self) -> bool {
         !self.filters.casters.is_empty()

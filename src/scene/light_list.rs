@@ -100,6 +100,7 @@ fn sky_source(draft: &Draft, targets: &Targets, warnings: &mut Vec<String>) -> O
             dirt: sky.dirt,
             bounce_scale: light.bounce_scale,
             sky_texture: sky.texture,
+            dome: false,
         },
     })
 }

@@ -5,6 +5,7 @@ mod bounce_keys;
 mod build;
 mod corner_frames;
 mod dirt;
+pub mod effects;
 mod entity_lights;
 pub(crate) mod exact;
 pub mod export;
@@ -116,6 +117,8 @@ pub struct Scene {
     pub solid: Solid,
     /// What is odd about the map, one sentence each.
     pub warnings: Vec<String>,
+    /// Lower-case texture names of the surfaces; empty where there is none.
+    pub(crate) names: Vec<String>,
     obstacles: Option<obstacles::Obstacles>,
     shapes: Vec<shape::Shape>,
     neighbours: neighbours::Neighbours,

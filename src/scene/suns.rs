@@ -32,6 +32,8 @@ pub struct Sun {
     pub bounce_scale: f32,
     /// Index of the only sky texture that lets its light through; `None` is any sky.
     pub sky_texture: Option<u32>,
+    /// Part of a sky dome.
+    pub dome: bool,
 }
 
 /// What a light entity with `_sun`, `_sunlight2` or `_sunlight3` adds to the sky.
@@ -134,6 +136,7 @@ impl WorldSky<'_> {
             dirt: dirt(self.entity, dirt_key),
             bounce_scale: 1.0,
             sky_texture: None,
+            dome: false,
         }
     }
 
@@ -189,12 +192,14 @@ fn add_dome(suns: &mut Vec<Sun>, upper: Option<&Sun>, lower: Option<&Sun>, sampl
     let quarter = ((samples - 1) / 4) as f32;
     let rings = (quarter.sqrt().round_ties_even() as u32 + 1).max(2) - 1;
     let azimuths = 4 * rings;
+    let of_dome = |light: &Sun| Sun { dome: true, ..light.clone() };
+    let (upper, lower) = (upper.map(of_dome), lower.map(of_dome));
     let count = (azimuths * rings + 1) as f32;
     let mut both = |travel: Vec3| {
-        if let Some(light) = upper {
+        if let Some(light) = &upper {
             add(suns, light, travel, count);
         }
-        if let Some(light) = lower {
+        if let Some(light) = &lower {
             add(suns, light, travel * Vec3::new(1.0, 1.0, -1.0), count);
         }
     };

@@ -1,10 +1,11 @@
-//! Drawing a hemicube: the hierarchy is walked front to back once a side, and what lies behind
-//! covered tiles is skipped.
+//! Drawing a hemicube: the hierarchy is walked front to back, once for all five sides, and what lies
+//! behind covered tiles is skipped.
 
 use super::clip::{Homogeneous, clip};
-use super::side::{NOTHING, Nearness, Side};
+use super::frame::{ALL_SIDES, Frame, SideSet};
+use super::side::{NOTHING, Side};
 use super::{HemicubeSize, SIDES, SideId, View};
-use crate::scene::{Node, Tracer};
+use crate::scene::Tracer;
 use glam::Vec3;
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -13,7 +14,10 @@ use std::collections::BinaryHeap;
 pub struct ItemBuffer {
     size: HemicubeSize,
     sides: [Side; 5],
-    queue: BinaryHeap<Reverse<(u32, u32)>>,
+    /// Nodes still to be looked at, the nearest first, with the sides that they may be seen on.
+    queue: BinaryHeap<Reverse<(u32, u32, SideSet)>>,
+    /// Corners of a polygon in the coordinates of the view.
+    local: Vec<Vec3>,
     points: Vec<Homogeneous>,
     spare: Vec<Homogeneous>,
     corners: Vec<[f32; 2]>,
@@ -45,6 +49,7 @@ impl ItemBuffer {
             size,
             sides: SIDES.map(|s| Side::new(size.width(), size.rows(s))),
             queue: BinaryHeap::new(),
+            local: Vec::new(),
             points: Vec::new(),
             spare: Vec::new(),
             corners: Vec::new(),
@@ -58,11 +63,35 @@ impl ItemBuffer {
 
     /// Replaces the contents by what is seen from `view`.
     pub fn draw(&mut self, tracer: &Tracer, view: &View) {
-        for (i, id) in SIDES.into_iter().enumerate() {
-            self.sides[i].clear();
-            if !tracer.nodes().is_empty() {
-                let projection = Projection::new(view, id, &self.sides[i]);
-                self.draw_side(i, tracer, &projection);
+        self.sides.iter_mut().for_each(Side::clear);
+        let nodes = tracer.nodes();
+        let frame = Frame::new(view, self.size);
+        self.queue.clear();
+        if !nodes.is_empty() {
+            self.queue.push(Reverse((0, 0, ALL_SIDES)));
+        }
+        while let Some(Reverse((_, index, sides))) = self.queue.pop() {
+            let node = &nodes[index as usize];
+            if node.count > 0 {
+                // Polygons are tested by themselves, more exactly than by their box.
+                for slot in node.first..node.first + node.count {
+                    self.draw_polygon(tracer, slot, &frame, sides);
+                }
+                continue;
+            }
+            let corners = frame.corners(node);
+            let sides = members(sides)
+                .filter(|&side| !frame.hidden(&corners, side, &mut self.sides[side]))
+                .fold(0, |set, side| set | 1 << side);
+            if sides == 0 {
+                continue;
+            }
+            for child in [node.first, node.first + 1] {
+                let node = &nodes[child as usize];
+                let sides = sides & frame.sides_of_box(node);
+                if sides != 0 {
+                    self.queue.push(Reverse((frame.distance(node).to_bits(), child, sides)));
+                }
             }
         }
     }
@@ -82,170 +111,43 @@ impl ItemBuffer {
         }
     }
 
-    fn draw_side(&mut self, side: usize, tracer: &Tracer, projection: &Projection) {
-        self.queue.clear();
-        self.queue.push(Reverse((0, 0)));
-        while let Some(Reverse((_, index))) = self.queue.pop() {
-            let node = &tracer.nodes()[index as usize];
-            if !projection.may_be_seen(node, &mut self.sides[side]) {
+    fn draw_polygon(&mut self, tracer: &Tracer, slot: u32, frame: &Frame, sides: SideSet) {
+        let (corners, normal, item) = tracer.polygon(slot);
+        let Some(slope) = frame.nearness(corners[0], normal) else { return };
+        self.local.clear();
+        self.local.extend(corners.iter().map(|&c| frame.local(c)));
+        for number in members(sides & Frame::sides_of_polygon(&self.local)) {
+            let side = frame.side(number);
+            self.points.clear();
+            self.points.extend(self.local.iter().map(|&c| side.project(c)));
+            let target = &mut self.sides[number];
+            let (width, height) = (target.width(), target.height());
+            if !clip(&mut self.points, &mut self.spare, width, height) {
                 continue;
             }
-            if node.count > 0 {
-                for slot in node.first..node.first + node.count {
-                    self.draw_polygon(side, tracer, slot, projection);
-                }
-            } else {
-                for child in [node.first, node.first + 1] {
-                    let distance = projection.distance(&tracer.nodes()[child as usize]);
-                    self.queue.push(Reverse((distance.to_bits(), child)));
+            // Clipping leaves rounding errors, and 0 / 0 where a polygon touches the eye: `max` and
+            // `min` bring both back into the side.
+            self.corners.clear();
+            self.corners.extend(self.points.iter().map(|p| {
+                let inverse = 1.0 / p.z;
+                [(p.x * inverse).max(0.0).min(width), (p.y * inverse).max(0.0).min(height)]
+            }));
+            let (mut low, mut high) = ([width, height], [0.0f32; 2]);
+            for c in &self.corners {
+                for k in 0..2 {
+                    low[k] = low[k].min(c[k]);
+                    high[k] = high[k].max(c[k]);
                 }
             }
-        }
-    }
-
-    fn draw_polygon(&mut self, side: usize, tracer: &Tracer, slot: u32, projection: &Projection) {
-        let (corners, normal, item) = tracer.polygon(slot);
-        let Some(nearness) = projection.nearness(corners[0], normal) else { return };
-        self.points.clear();
-        self.points.extend(corners.iter().map(|&c| projection.project(c)));
-        let target = &mut self.sides[side];
-        let (width, height) = (target.width(), target.height());
-        if !clip(&mut self.points, &mut self.spare, width, height) {
-            return;
-        }
-        self.corners.clear();
-        // Clipping leaves rounding errors, and 0 / 0 where a polygon touches the eye: `max` and
-        // `min` bring both back into the side.
-        self.corners.extend(
-            self.points
-                .iter()
-                .map(|p| [(p.x / p.z).max(0.0).min(width), (p.y / p.z).max(0.0).min(height)]),
-        );
-        let (mut low, mut high) = ([width, height], [0.0f32; 2]);
-        for c in &self.corners {
-            for k in 0..2 {
-                low[k] = low[k].min(c[k]);
-                high[k] = high[k].max(c[k]);
+            let depth = self.points.iter().map(|p| p.z).fold(f32::INFINITY, f32::min);
+            if !target.covered(low, high, 1.0 / depth) {
+                target.fill(&self.corners, side.nearness(slope), item);
             }
-        }
-        let depth = self.points.iter().map(|p| p.z).fold(f32::INFINITY, f32::min);
-        if !target.covered(low, high, 1.0 / depth) {
-            target.fill(&self.corners, nearness, item);
         }
     }
 }
 
-/// Backs are drawn farther by this factor, so that of two polygons back to back (a thin wall) the one
-/// that faces the eye is seen, whatever the rounding.
-const BACK: f32 = 1.0 - 1e-5;
-
-/// World to cell coordinates of one side. `column . (p - eye)` is column x depth, and so on, so that
-/// projecting a point takes three dot products and a division.
-struct Projection {
-    eye: Vec3,
-    column: Vec3,
-    row: Vec3,
-    depth: Vec3,
-    /// World direction of cell corner (0, 0), at depth 1.
-    corner: Vec3,
-    /// World step to the next column, at depth 1.
-    dx: Vec3,
-    /// World step to the next row, at depth 1.
-    dy: Vec3,
-    width: f32,
-    height: f32,
-}
-
-impl Projection {
-    fn new(view: &View, id: SideId, side: &Side) -> Self {
-        let [a, b, c] = view.axes(id);
-        let (width, height) = (side.width(), side.height());
-        // The top spans [-1, 1] both ways, a side [-1, 1] x [0, 1].
-        let lowest = if id == SideId::Top { 1.0 } else { 0.0 };
-        let rows_per_unit = height / (1.0 + lowest);
-        Self {
-            eye: view.position,
-            column: (a + c) * (0.5 * width),
-            row: (b + c * lowest) * rows_per_unit,
-            depth: c,
-            corner: c - a - b * lowest,
-            dx: a * (2.0 / width),
-            dy: b / rows_per_unit,
-            width,
-            height,
-        }
-    }
-
-    fn project(&self, p: Vec3) -> Homogeneous {
-        let p = p - self.eye;
-        Vec3::new(self.column.dot(p), self.row.dot(p), self.depth.dot(p))
-    }
-
-    /// 1 / depth of the plane through `on` over the side: `normal . direction / distance`. None for
-    /// a plane through the eye, which is seen edge-on.
-    fn nearness(&self, on: Vec3, normal: Vec3) -> Option<Nearness> {
-        let mut inverse = 1.0 / normal.dot(on - self.eye);
-        if inverse > 0.0 {
-            inverse *= BACK;
-        }
-        let (base, dx, dy) = (
-            normal.dot(self.corner) * inverse,
-            normal.dot(self.dx) * inverse,
-            normal.dot(self.dy) * inverse,
-        );
-        (base.is_finite() && dx.is_finite() && dy.is_finite()).then_some(Nearness { base, dx, dy })
-    }
-
-    /// Squared distance from the eye to a node's box.
-    fn distance(&self, node: &Node) -> f32 {
-        (self.eye.clamp(node.min, node.max) - self.eye).length_squared()
-    }
-
-    /// Whether any part of the node's box is within the view and not behind covered cells.
-    fn may_be_seen(&self, node: &Node, side: &mut Side) -> bool {
-        let centre = (node.min + node.max) * 0.5 - self.eye;
-        let half = (node.max - node.min) * 0.5;
-        let inside = |plane: Vec3| plane.dot(centre) + plane.abs().dot(half) >= 0.0;
-        if !(inside(self.column)
-            && inside(self.row)
-            && inside(self.depth * self.width - self.column)
-            && inside(self.depth * self.height - self.row))
-        {
-            return false;
-        }
-        let reach = self.depth.abs().dot(half);
-        let nearest = self.depth.dot(centre) - reach;
-        // The eye is in the box or almost: everything may be seen.
-        if nearest <= 1e-6 * reach {
-            return true;
-        }
-        let (low, high) = self.bounds(centre, half);
-        !side.covered(low, high, 1.0 / nearest)
-    }
-
-    /// Low and high corner, in cell coordinates, of a box in front of the eye. Written in arrays of
-    /// eight, one entry a corner, so that it becomes vector code.
-    fn bounds(&self, centre: Vec3, half: Vec3) -> ([f32; 2], [f32; 2]) {
-        const X: [f32; 8] = [-1.0, 1.0, -1.0, 1.0, -1.0, 1.0, -1.0, 1.0];
-        const Y: [f32; 8] = [-1.0, -1.0, 1.0, 1.0, -1.0, -1.0, 1.0, 1.0];
-        const Z: [f32; 8] = [-1.0, -1.0, -1.0, -1.0, 1.0, 1.0, 1.0, 1.0];
-        let along = |axis: Vec3| {
-            let (middle, step) = (axis.dot(centre), axis * half);
-            std::array::from_fn::<f32, 8, _>(|i| {
-                middle + (X[i] * step.x + Y[i] * step.y + Z[i] * step.z)
-            })
-        };
-        let depths = along(self.depth).map(|d| 1.0 / d);
-        let range = |axis: Vec3| {
-            let values = along(axis);
-            let at: [f32; 8] = std::array::from_fn(|i| values[i] * depths[i]);
-            let halves = |f: fn(f32, f32) -> f32| {
-                let q: [f32; 4] = std::array::from_fn(|i| f(at[i], at[i + 4]));
-                f(f(q[0], q[1]), f(q[2], q[3]))
-            };
-            (halves(|a, b| if b < a { b } else { a }), halves(|a, b| if b > a { b } else { a }))
-        };
-        let (columns, rows) = (range(self.column), range(self.row));
-        ([columns.0, rows.0], [columns.1, rows.1])
-    }
+/// The numbers of the sides in a set.
+fn members(set: SideSet) -> impl Iterator<Item = usize> {
+    (0..5).filter(move |side| set >> side & 1 == 1)
 }

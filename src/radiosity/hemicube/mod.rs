@@ -3,6 +3,7 @@
 //! delta form factor and holds the polygon that the point sees through it.
 
 mod clip;
+mod frame;
 mod item_buffer;
 mod side;
 

@@ -1,16 +1,23 @@
 //! The command line of `qrad`.
 
-use crate::engine::Engine;
+mod effects;
+mod outputs;
+mod values;
+
+pub use effects::EffectArgs;
+pub use outputs::{GridFormatArg, OutputArgs};
+pub use values::{BounceCount, GatherArg, NearFieldArg, SurfaceLightsArg};
+
 use crate::lightmap::{DebugView, Gather, Smoothing};
-use crate::outputs::{DirectionFile, LitFile, Outputs, Scope};
 use crate::radiosity::hemicube::HemicubeSize;
 use crate::radiosity::near_pairs::NearLimits;
-use crate::scene::{ALL_BOUNCES, LightGrid, LuxelSettings};
+use crate::scene::ALL_BOUNCES;
 use crate::settings::{Quality, Settings, SurfaceLights};
 use crate::{Error, Result};
-use clap::{ArgGroup, Args, Parser, ValueEnum};
+use clap::{ArgGroup, Parser};
 use clap_complete::Shell;
 use std::path::{Path, PathBuf};
+use values::{bounce_count, key_value};
 
 /// Lights a Quake map with real radiosity: run it after qbsp and vis.
 ///
@@ -64,7 +71,7 @@ pub struct Cli {
     #[arg(long, value_enum, default_value_t, requires = "patches", help_heading = "Bounced light")]
     pub near_field: NearFieldArg,
 
-    /// Edge of a hemicube in cells, even: more is finer and slower [default: 32; final: 64]
+    /// Edge of a hemicube in cells, even: more is finer and slower [default: 16; high: 32; final: 64]
     #[arg(long, value_name = "CELLS", help_heading = "Bounced light")]
     pub hemicube: Option<u32>,
 
@@ -111,6 +118,10 @@ pub struct Cli {
     /// Which files and lumps are written
     #[command(flatten)]
     pub outputs: OutputArgs,
+
+    /// Which effects are simulated
+    #[command(flatten)]
+    pub effects: EffectArgs,
 
     /// Write the lightmaps as pictures, one PNG a light style, and index.csv, into a folder
     #[arg(long, value_name = "DIR", help_heading = "Pictures")]
@@ -173,214 +184,6 @@ pub struct Cli {
     pub completions: Option<Shell>,
 }
 
-/// Spelling of [`Outputs`].
-#[derive(Clone, Debug, Default, Args)]
-pub struct OutputArgs {
-    /// Write what an engine reads; options below add to it. docs/outputs.md has the table
-    #[arg(long, value_enum, help_heading = "Outputs")]
-    pub engine: Option<Engine>,
-
-    /// Write a .lit file even if the light has no colour
-    #[arg(long, help_heading = "Outputs")]
-    pub lit: bool,
-
-    /// Write the .lit file in HDR
-    #[arg(long, conflicts_with = "lit", help_heading = "Outputs")]
-    pub hdr: bool,
-
-    /// Write a .lit file of version 2 with all that describes its lightmaps, and leave the map as it is
-    #[arg(long, conflicts_with_all = ["hdr", "world_units_per_luxel", "litonly", "onlyents", "preview"])]
-    #[arg(help_heading = "Outputs")]
-    pub lit2: bool,
-
-    /// Write where light comes from into a .lux file, for normal maps (a .dlit file for DarkPlaces)
-    #[arg(long, help_heading = "Outputs")]
-    pub lux: bool,
-
-    /// Put the colours into the map (RGBLIGHTING), instead of a .lit file
-    #[arg(long, help_heading = "Outputs")]
-    pub bspxlit: bool,
-
-    /// Put HDR colours into the map (LIGHTING_E5BGR9)
-    #[arg(long, help_heading = "Outputs")]
-    pub bspxhdr: bool,
-
-    /// Put where light comes from into the map (LIGHTINGDIR)
-    #[arg(long, help_heading = "Outputs")]
-    pub bspxlux: bool,
-
-    /// --bspxlit and --bspxlux
-    #[arg(long, help_heading = "Outputs")]
-    pub bspx: bool,
-
-    /// --bspx and --novanilla
-    #[arg(long, conflicts_with = "preview", help_heading = "Outputs")]
-    pub bspxonly: bool,
-
-    /// Put normals at the corners of faces into the map (FACENORMALS), for smooth light that engines compute
-    #[arg(long, help_heading = "Outputs")]
-    pub wrnormals: bool,
-
-    /// Leave out what the original engine reads where other lumps hold the light
-    #[arg(long, conflicts_with = "preview", help_heading = "Outputs")]
-    pub novanilla: bool,
-
-    /// Most light styles of a face, 1 to 16; above 4 is for engines that read LMSTYLE
-    #[arg(long, value_name = "N", default_value_t = 4, help_heading = "Outputs")]
-    pub facestyles: u32,
-
-    /// Luxels of 2^N texels on every face, for engines that read LMSHIFT [default: what the map says]
-    #[arg(long, value_name = "N", help_heading = "Outputs")]
-    pub lmshift: Option<u8>,
-
-    /// Luxels of U world units that do not follow textures, for engines that read DECOUPLED_LM
-    #[arg(long, value_name = "U", conflicts_with = "lmshift", help_heading = "Outputs")]
-    pub world_units_per_luxel: Option<f32>,
-
-    /// Write a light grid: light at points in the air, for what moves there
-    #[arg(long, help_heading = "Outputs")]
-    pub lightgrid: bool,
-
-    /// World units between its points: one number, or three for x, y and z [default: 32]
-    #[arg(long, value_name = "X,Y,Z", value_parser = grid_step, help_heading = "Outputs")]
-    pub lightgrid_dist: Option<String>,
-
-    /// One colour a point (LIGHTGRID_OCTREE), or one for each of six directions (LIGHTGRIDS)
-    #[arg(long, value_enum, help_heading = "Outputs")]
-    pub lightgrid_format: Option<GridFormatArg>,
-
-    /// Write the light grid as asked for even if it has more than 2 million points
-    #[arg(long, help_heading = "Outputs")]
-    pub lightgrid_force: bool,
-
-    /// Write only the .lit file, for the lightmaps that the map has
-    #[arg(long, conflicts_with_all = ["lmshift", "world_units_per_luxel"], help_heading = "Outputs")]
-    pub litonly: bool,
-
-    /// Write only the entities: the styles of switchable lights and the like; lighting stays
-    #[arg(long, conflicts_with_all = ["litonly", "preview", "dump_lightmaps"], help_heading = "Outputs")]
-    pub onlyents: bool,
-}
-
-impl OutputArgs {
-    /// The options of the light grid as worldspawn keys, which is what they are in a map too.
-    fn grid_keys(&self) -> impl Iterator<Item = (String, String)> {
-        let flag = |on: bool| on.then(|| "1".to_owned());
-        let format = self.lightgrid_format.map(|format| format!("{format:?}"));
-        [
-            ("lightgrid", flag(self.lightgrid)),
-            ("lightgrid_force", flag(self.lightgrid_force)),
-            ("lightgrid_dist", self.lightgrid_dist.clone()),
-            ("lightgrid_format", format),
-        ]
-        .into_iter()
-        .filter_map(|(key, value)| Some((key.to_owned(), value?)))
-    }
-
-    /// The outputs that the options ask for, not checked yet.
-    fn outputs(&self) -> Outputs {
-        let base = self.engine.map_or_else(Outputs::default, Engine::outputs);
-        let bspx = self.bspx || self.bspxonly;
-        Outputs {
-            lit: match (self.lit, self.hdr, self.lit2) {
-                (_, _, true) => LitFile::Version2,
-                (_, true, _) => LitFile::Hdr,
-                (true, ..) => LitFile::Always,
-                _ => base.lit,
-            },
-            lux: match self.engine {
-                _ if !self.lux => DirectionFile::No,
-                Some(Engine::Darkplaces) => DirectionFile::Dlit,
-                _ => DirectionFile::Lux,
-            },
-            bspx_lit: base.bspx_lit || self.bspxlit || bspx,
-            bspx_hdr: base.bspx_hdr || self.bspxhdr,
-            bspx_lux: self.bspxlux || bspx,
-            face_normals: self.wrnormals,
-            vanilla: base.vanilla && !(self.novanilla || self.bspxonly),
-            face_styles: self.facestyles,
-            luxels: LuxelSettings { shift: self.lmshift, world_units: self.world_units_per_luxel },
-            scope: match (self.litonly, self.onlyents) {
-                (_, true) => Scope::EntitiesOnly,
-                (true, _) => Scope::LitOnly,
-                _ => Scope::All,
-            },
-        }
-    }
-}
-
-/// Spelling of [`GridFormat`](crate::scene::GridFormat): names of the values of the key.
-#[derive(Clone, Copy, Debug, ValueEnum)]
-pub enum GridFormatArg {
-    /// One colour a point
-    Octree,
-    /// Six colours a point
-    Lightgrids,
-}
-
-/// Spelling of [`Gather`].
-#[derive(Clone, Copy, Debug, ValueEnum)]
-pub enum GatherArg {
-    /// Between the patches around a luxel, where they tell it well: fast
-    Interpolate,
-    /// A hemicube at every luxel: slow, sharpest
-    Luxel,
-}
-
-/// Whether near pairs get more than a hemicube.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
-pub enum NearFieldArg {
-    /// As far as the quality says
-    #[default]
-    On,
-    /// One hemicube a patch and nothing else: to compare with
-    Off,
-}
-
-/// Spelling of [`SurfaceLights`].
-#[derive(Clone, Copy, Debug, Default, ValueEnum)]
-pub enum SurfaceLightsArg {
-    /// As point lights in front of the surface, like light does
-    #[default]
-    Points,
-    /// As true area light
-    Area,
-}
-
-/// Splits `KEY=VALUE`.
-fn key_value(text: &str) -> std::result::Result<(String, String), String> {
-    match text.split_once('=') {
-        Some((key, value)) if !key.trim_start_matches('_').is_empty() => {
-            Ok((key.to_owned(), value.to_owned()))
-        }
-        _ => Err("give a worldspawn key and its value with = between".into()),
-    }
-}
-
-/// A step of the light grid, as the key has it.
-fn grid_step(text: &str) -> std::result::Result<String, String> {
-    let value = text.replace(',', " ");
-    let usable = LightGrid::parse_step(&value).is_some();
-    usable.then_some(value).ok_or_else(|| "give one number or three, each 1 to 65536".into())
-}
-
-/// Spelling of a number of bounces.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum BounceCount {
-    /// Until the residual is reached, whatever the map says.
-    All,
-    /// At most so many.
-    Most(u32),
-}
-
-/// Reads `--bounces`.
-fn bounce_count(text: &str) -> std::result::Result<BounceCount, String> {
-    if text == ALL_BOUNCES {
-        return Ok(BounceCount::All);
-    }
-    text.parse().map(BounceCount::Most).map_err(|_| format!("give a number or {ALL_BOUNCES}"))
-}
-
 impl Cli {
     /// The settings of a map run.
     ///
@@ -408,6 +211,7 @@ impl Cli {
                 Some(GatherArg::Luxel) => Gather::Luxel,
             },
             gather_error: self.quality.gather_error(),
+            share: self.quality.share(),
             reflectance_scale: self.reflectance_scale,
             grey: self.grey,
             compat_bounce: self.compat_bounce,
@@ -418,7 +222,9 @@ impl Cli {
             overrides,
             debug: self.debug,
             outputs: self.outputs.outputs(),
+            switches: self.effects.switches()?,
         }
+        .switched()
         .checked()
     }
 

@@ -1,0 +1,280 @@
+//! The coordinates of a view, (right, up, normal) from its eye: boxes and polygons are brought into
+//! them once, and the five sides are then exchanges of axes.
+
+use super::clip::Homogeneous;
+use super::side::{Nearness, Side};
+use super::{HemicubeSize, SIDES, SideId, View};
+use crate::scene::Node;
+use glam::Vec3;
+use wide::{CmpGe, CmpLe, f32x8};
+
+/// A bit for each of the five sides, in the order of [`SIDES`].
+pub(super) type SideSet = u8;
+
+/// All five.
+pub(super) const ALL_SIDES: SideSet = 31;
+
+/// Backs are drawn farther by this factor, so that of two polygons back to back (a thin wall) the one
+/// that faces the eye is seen, whatever the rounding.
+const BACK: f32 = 1.0 - 1e-5;
+
+/// A view with what tests of boxes against it need.
+pub(super) struct Frame {
+    eye: Vec3,
+    axes: [Vec3; 3],
+    /// Normals, component by component, of the planes through the eye between the sides: with x, y and z
+    /// along the axes, where x + y, x - y, x + z, x - z, y + z, y - z and z are 0.
+    planes: [f32x8; 3],
+    sides: [SideFrame; 5],
+}
+
+/// How one side lies in the frame, and its cells.
+struct SideFrame {
+    /// Which axis of the frame its horizontal, vertical and depth axis are, and with which sign.
+    axis: [usize; 3],
+    sign: [f32; 3],
+    /// Half the columns.
+    columns: f32,
+    /// Rows from vertical coordinate 0 to 1 at depth 1.
+    rows: f32,
+    /// Lowest vertical coordinate at depth 1, times -1.
+    lowest: f32,
+}
+
+/// A box as its eight corners in the frame.
+pub(super) struct Corners([f32x8; 3]);
+
+impl Frame {
+    pub fn new(view: &View, size: HemicubeSize) -> Self {
+        let axes = [view.right, view.up, view.normal];
+        let [x, y, z] = axes;
+        let planes = [x + y, x - y, x + z, x - z, y + z, y - z, z, z];
+        let along = |k: usize| f32x8::new(planes.map(|p| p[k]));
+        Self {
+            eye: view.position,
+            axes,
+            planes: [along(0), along(1), along(2)],
+            sides: SIDES.map(|side| SideFrame::new(side, size)),
+        }
+    }
+
+    /// The frame's coordinates of a point.
+    pub fn local(&self, p: Vec3) -> Vec3 {
+        let p = p - self.eye;
+        Vec3::from_array(self.axes.map(|axis| axis.dot(p)))
+    }
+
+    /// Squared distance from the eye to a node's box.
+    pub fn distance(&self, node: &Node) -> f32 {
+        (self.eye.clamp(node.min, node.max) - self.eye).length_squared()
+    }
+
+    /// Sides in whose view a node's box may reach.
+    pub fn sides_of_box(&self, node: &Node) -> SideSet {
+        let centre = (node.min + node.max) * 0.5 - self.eye;
+        let half = (node.max - node.min) * 0.5;
+        let [x, y, z] = &self.planes;
+        let sum = |x: f32x8, y: f32x8, z: f32x8, v: Vec3| {
+            x * f32x8::splat(v.x) + y * f32x8::splat(v.y) + z * f32x8::splat(v.z)
+        };
+        let (middle, reach) = (sum(*x, *y, *z, centre), sum(x.abs(), y.abs(), z.abs(), half));
+        sides(middle + reach, middle - reach)
+    }
+
+    /// Sides in whose view a polygon with these corners (in the frame's coordinates) may reach.
+    pub fn sides_of_polygon(corners: &[Vec3]) -> SideSet {
+        let (mut low, mut high) = (f32x8::splat(f32::INFINITY), f32x8::splat(f32::NEG_INFINITY));
+        for &Vec3 { x, y, z } in corners {
+            let at = f32x8::new([x + y, x - y, x + z, x - z, y + z, y - z, z, z]);
+            low = low.fast_min(at);
+            high = high.fast_max(at);
+        }
+        sides(high, low)
+    }
+
+    /// The corners of a node's box.
+    pub fn corners(&self, node: &Node) -> Corners {
+        const X: f32x8 = f32x8::new([-1.0, 1.0, -1.0, 1.0, -1.0, 1.0, -1.0, 1.0]);
+        const Y: f32x8 = f32x8::new([-1.0, -1.0, 1.0, 1.0, -1.0, -1.0, 1.0, 1.0]);
+        const Z: f32x8 = f32x8::new([-1.0, -1.0, -1.0, -1.0, 1.0, 1.0, 1.0, 1.0]);
+        let centre = (node.min + node.max) * 0.5 - self.eye;
+        let half = (node.max - node.min) * 0.5;
+        Corners(self.axes.map(|axis| {
+            let step = axis * half;
+            let steps = X * f32x8::splat(step.x) + Y * f32x8::splat(step.y);
+            f32x8::splat(axis.dot(centre)) + (steps + Z * f32x8::splat(step.z))
+        }))
+    }
+
+    /// Whether a box within the view of side `number` is behind cells of that side that are covered.
+    pub fn hidden(&self, corners: &Corners, number: usize, side: &mut Side) -> bool {
+        let frame = &self.sides[number];
+        let along = |k: usize| corners.0[frame.axis[k]] * f32x8::splat(frame.sign[k]);
+        let depth = along(2);
+        let nearest = least(depth);
+        // The eye is in the box or almost: everything may be seen.
+        if nearest <= 1e-6 * (greatest(depth) - nearest) {
+            return false;
+        }
+        let inverse = f32x8::ONE / depth;
+        let (across, up) = (along(0) * inverse, along(1) * inverse);
+        let low = frame.cell(least(across), least(up));
+        let high = frame.cell(greatest(across), greatest(up));
+        side.covered(low, high, 1.0 / nearest)
+    }
+
+    /// 1 / depth of the plane through `on` over side `number`: `normal . direction / distance`. None
+    /// for a plane through the eye, which is seen edge-on. `normal` and `on` are in the world.
+    pub fn nearness(&self, on: Vec3, normal: Vec3) -> Option<Vec3> {
+        let mut inverse = 1.0 / normal.dot(on - self.eye);
+        if inverse > 0.0 {
+            inverse *= BACK;
+        }
+        let slope = Vec3::from_array(self.axes.map(|axis| axis.dot(normal) * inverse));
+        slope.is_finite().then_some(slope)
+    }
+
+    /// Side `number` of the frame.
+    pub fn side(&self, number: usize) -> SideView<'_> {
+        SideView(&self.sides[number])
+    }
+}
+
+/// Projection to one side.
+pub(super) struct SideView<'a>(&'a SideFrame);
+
+impl SideView<'_> {
+    /// A point of the frame, as the side's cells have it.
+    pub fn project(&self, p: Vec3) -> Homogeneous {
+        let f = self.0;
+        let [a, b, c] = f.turned(p);
+        Vec3::new((a + c) * f.columns, (b + c * f.lowest) * f.rows, c)
+    }
+
+    /// What [`Frame::nearness`] tells of a plane, cell by cell.
+    pub fn nearness(&self, slope: Vec3) -> Nearness {
+        let f = self.0;
+        let [a, b, c] = f.turned(slope);
+        Nearness { base: c - a - b * f.lowest, dx: a / f.columns, dy: b / f.rows }
+    }
+}
+
+impl SideFrame {
+    fn new(side: SideId, size: HemicubeSize) -> Self {
+        // As `View::axes` has them.
+        let (axis, sign) = match side {
+            SideId::Top => ([0, 1, 2], [1.0, 1.0, 1.0]),
+            SideId::Right => ([1, 2, 0], [1.0, 1.0, 1.0]),
+            SideId::Up => ([0, 2, 1], [-1.0, 1.0, 1.0]),
+            SideId::Left => ([1, 2, 0], [-1.0, 1.0, -1.0]),
+            SideId::Down => ([0, 2, 1], [1.0, 1.0, -1.0]),
+        };
+        // The top spans [-1, 1] both ways, a side [-1, 1] x [0, 1].
+        let lowest = if side == SideId::Top { 1.0 } else { 0.0 };
+        Self {
+            axis,
+            sign,
+            columns: 0.5 * size.width() as f32,
+            rows: 0.5 * size.height() as f32,
+            lowest,
+        }
+    }
+
+    fn turned(&self, p: Vec3) -> [f32; 3] {
+        let p = p.to_array();
+        std::array::from_fn(|k| p[self.axis[k]] * self.sign[k])
+    }
+
+    fn cell(&self, across: f32, up: f32) -> [f32; 2] {
+        [(across + 1.0) * self.columns, (up + self.lowest) * self.rows]
+    }
+}
+
+/// The sides whose pyramids a convex body may reach into: of each plane of [`Frame`], `high` and `low`
+/// are the largest and the smallest signed distance of the body to it.
+fn sides(high: f32x8, low: f32x8) -> SideSet {
+    // A bit each: part of the body is on the positive side of the plane, on the negative side.
+    let above = high.cmp_ge(f32x8::ZERO).move_mask();
+    let below = low.cmp_le(f32x8::ZERO).move_mask();
+    let all = |above_of: i32, below_of: i32, side: u32| {
+        u8::from(above & above_of == above_of && below & below_of == below_of) << side
+    };
+    const XY: i32 = 1;
+    const X_Y: i32 = 2;
+    const XZ: i32 = 4;
+    const X_Z: i32 = 8;
+    const YZ: i32 = 16;
+    const Y_Z: i32 = 32;
+    const Z: i32 = 64;
+    all(XZ | YZ, X_Z | Y_Z, 0)
+        | all(XY | X_Y | X_Z | Z, 0, 1)
+        | all(XY | Y_Z | Z, X_Y, 2)
+        | all(Z, XY | X_Y | XZ, 3)
+        | all(X_Y | Z, XY | YZ, 4)
+}
+
+fn least(v: f32x8) -> f32 {
+    fold(v, |a, b| if b < a { b } else { a })
+}
+
+fn greatest(v: f32x8) -> f32 {
+    fold(v, |a, b| if b > a { b } else { a })
+}
+
+/// Combines the eight lanes by halves.
+fn fold(v: f32x8, f: fn(f32, f32) -> f32) -> f32 {
+    let v = v.to_array();
+    let q: [f32; 4] = std::array::from_fn(|i| f(v[i], v[i + 4]));
+    f(f(q[0], q[2]), f(q[1], q[3]))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn view() -> View {
+        View::turned(Vec3::new(3.0, -2.0, 5.0), Vec3::new(0.6, 0.0, 0.8), 5)
+    }
+
+    #[test]
+    fn sides_have_the_axes_of_the_view() {
+        let view = view();
+        let size = HemicubeSize::new(16, 12).unwrap();
+        let frame = Frame::new(&view, size);
+        for (number, side) in SIDES.into_iter().enumerate() {
+            for (x, y) in [(0, 0), (5, 3), (15, 5)] {
+                let at = size.cell_centre(side, x, y);
+                let [a, b, c] = view.axes(side);
+                let p = view.position + (a * at.x + b * at.y + c) * 7.0;
+                let p = frame.side(number).project(frame.local(p));
+                let seen = [p.x / p.z, p.y / p.z, p.z];
+                let expected = [x as f32 + 0.5, y as f32 + 0.5, 7.0];
+                for k in 0..3 {
+                    assert!(
+                        (seen[k] - expected[k]).abs() < 1e-4,
+                        "{side:?}: {seen:?} {expected:?}"
+                    );
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_point_is_in_the_side_that_it_projects_to() {
+        let size = HemicubeSize::new(2, 2).unwrap();
+        let frame = Frame::new(&view(), size);
+        let at = |k: u32| ((k as f32 * 0.618).fract() - 0.5) * 10.0;
+        for k in 0..500 {
+            let p = Vec3::new(at(k), at(k / 7 + 300), at(k / 31 + 90));
+            let node = Node { min: p, max: p, count: 0, first: 0 };
+            let expected = (0..5).filter(|&side| {
+                let q = frame.side(side).project(frame.local(p));
+                let height = if side == 0 { 2.0 } else { 1.0 };
+                q.x >= 0.0 && q.x <= 2.0 * q.z && q.y >= 0.0 && q.y <= height * q.z
+            });
+            let expected = expected.fold(0, |set, side| set | 1 << side);
+            assert_eq!(frame.sides_of_box(&node), expected, "{p}");
+            assert_eq!(Frame::sides_of_polygon(&[frame.local(p)]), expected, "{p}");
+        }
+    }
+}
