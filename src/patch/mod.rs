@@ -5,6 +5,7 @@ mod cuts;
 mod detail;
 mod leaders;
 mod lookup;
+mod opposite;
 mod overlay;
 mod pattern;
 mod polygon2;

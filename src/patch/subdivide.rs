@@ -9,8 +9,8 @@ use super::{
     Intervals, Overlay, Patch, PatchGrid, PatchLookup, PatchSet, PolygonPatches, Sheet, Tint,
 };
 use crate::photometry::{Exitance, Irradiance, Reflectance};
-use crate::scene::{Emitter, Sample, Scene, Surface, luxels};
-use glam::Vec3;
+use crate::scene::{Emitter, LuxelGrid, Sample, Scene, Surface, luxels};
+use glam::{Vec2, Vec3};
 use rayon::prelude::*;
 use std::sync::Arc;
 
@@ -28,6 +28,8 @@ pub struct MapPatches {
     pub first: Vec<u32>,
     /// Their luxel intervals.
     pub intervals: Intervals,
+    /// Share and colour of what each patch emits, where only parts of a surface do; empty for none.
+    pub glow: Vec<Vec3>,
 }
 
 /// Light that the patches of a map give off by themselves, in one style.
@@ -80,6 +82,7 @@ impl MapPatches {
         let (polygons, panes) = scene.panes();
         let sheet = |pane| Sheet { tint: Tint::Pane(pane), sides: [None; 2] };
         let sheets = panes.into_iter().map(sheet).collect();
+        patches.set.passages = patches.passages(scene);
         patches.set.overlay = Overlay::new(polygons, sheets, Vec::new()).map(Arc::new);
         patches
     }
@@ -101,12 +104,18 @@ impl MapPatches {
         for block in blocks {
             let centroid = (block.moment / block.area).as_vec2();
             let eye = luxels.world_of(centroid) + surface.normal * LIFT;
+            let points = || points_of(luxels, &block);
+            let varied = scene.mean_reflectance(index, points());
+            if let Some(glow) = scene.mean_glow(index, points()) {
+                self.glow.resize(self.surface.len(), Vec3::ZERO);
+                self.glow.push(glow);
+            }
             self.set.patches.push(Patch {
                 eye: free_eye(scene, surface, eye, &samples[index], &block),
                 normal: surface.normal,
                 area: (block.area * unit) as f32,
                 reflectance: if surface.reflects {
-                    surface.reflectance
+                    varied.map_or(surface.reflectance, Reflectance)
                 } else {
                     Reflectance::default()
                 },
@@ -128,8 +137,11 @@ impl MapPatches {
             });
             let patches = self.first[e.surface as usize]..self.first[e.surface as usize + 1];
             for patch in patches {
-                styles[i].exitance[patch as usize] += e.exitance;
-                styles[i].bouncing[patch as usize] += e.exitance * e.bounce_scale;
+                let patch = patch as usize;
+                let share = if e.varied { self.glow.get(patch) } else { None };
+                let exitance = share.map_or(e.exitance, |&share| Exitance(e.exitance.0 * share));
+                styles[i].exitance[patch] += exitance;
+                styles[i].bouncing[patch] += exitance * e.bounce_scale;
             }
         }
         styles
@@ -151,6 +163,22 @@ impl MapPatches {
             })
             .collect()
     }
+}
+
+/// World points spread evenly around the luxels of a block, with their weights.
+fn points_of<'a>(
+    luxels: &'a LuxelGrid,
+    block: &'a Block,
+) -> impl Iterator<Item = (Vec3, f32)> + 'a {
+    const ACROSS: u32 = 8;
+    block.luxels.iter().flat_map(move |&(luxel, weight)| {
+        (0..ACROSS * ACROSS).map(move |k| {
+            let [x, y] = [k % ACROSS, k / ACROSS].map(|k| (k as f32 + 0.5) / ACROSS as f32 - 0.5);
+            let at =
+                Vec2::new(x + (luxel % luxels.width) as f32, y + (luxel / luxels.width) as f32);
+            (luxels.world_of(at), weight)
+        })
+    })
 }
 
 /// `eye`, or if that is inside solid or in a divided block the position of the patch's nearest luxel that

@@ -200,6 +200,7 @@ impl TextScene {
     /// # Panics
     /// If there is not one exitance a side.
     pub fn lit(&self, exitance: &[[f64; 3]]) -> Self {
+        assert!(exitance.len() >= self.patches.len(), "one exitance a patch");
         let (fronts, backs) = exitance.split_at(self.patches.len());
         let mut backs = backs.iter().copied();
         let patches = self
@@ -217,7 +218,7 @@ impl TextScene {
                 Quad { exitance: [0.0; 3], reflectance: shown(mean), effects, ..*quad }
             })
             .collect();
-        assert_eq!(backs.next(), None, "one exitance a side");
+        assert_eq!(backs.next(), None, "one exitance a patch, and one a back");
         Self { patches, ..self.clone() }
     }
 

@@ -117,11 +117,11 @@ impl<'a> NearPairs<'a> {
     pub(super) fn through(&self, overlay: &Overlay, (i, j): (usize, usize), factor: f64) -> Shares {
         let pair = Pair { guess: factor, ..Pair::seen(j as u32, factor) };
         // Edges of what is translucent are many, and their errors add up.
-        let rays = 4 * self.precision(i, &pair).rays;
+        let rays = (4 * self.precision(i, &pair).rays).next_power_of_two();
         let shapes = (&self.shapes[i], &self.shapes[j]);
-        let shift = ((i * 31 + j) as f64 * 0.618_033_988_749_894_9).fract();
+        let seed = (i * 31 + j) as u32;
         let hidden = |p, q| !self.occluders.is_empty() && !self.occluders.clear(p, q);
-        mean_share(overlay, shapes, PatchId(j as u32), (rays, self.lift, shift), hidden)
+        mean_share(overlay, shapes, PatchId(j as u32), (rays, self.lift, seed), hidden)
     }
 
     /// Form factor from patch `i` to the translucent patch `j`; `None` where there is none.

@@ -2,7 +2,7 @@
 //! of light that gets through from patch to patch is a mean over rays, and translucent patches have closed
 //! forms.
 
-use super::area_points::{Spread, spread};
+use super::area_points::{Spread, sobol};
 use super::near_pairs::NearPairs;
 use super::pair_factor::{Facing, Shape};
 use super::transfers::Transfers;
@@ -86,7 +86,7 @@ pub(super) fn mean_share(
     overlay: &Overlay,
     (a, b): (&Shape<'_>, &Shape<'_>),
     patch: PatchId,
-    (rays, lift, shift): (u32, f64, f64),
+    (rays, lift, seed): (u32, f64, u32),
     hidden: impl Fn(DVec3, DVec3) -> bool,
 ) -> Shares {
     const ALL: Shares = Shares { tint: DVec3::ONE, patterned: DVec3::ONE };
@@ -98,7 +98,7 @@ pub(super) fn mean_share(
     let (on_a, on_b) = (Spread::new(a.parts()), Spread::new(b.parts()));
     let (mut all, mut tint, mut with_pattern) = (0.0, DVec3::ZERO, DVec3::ZERO);
     for k in 0..rays {
-        let [s, t, u, v] = spread(k, shift);
+        let [s, t, u, v] = sobol(k, seed);
         let (p, q) = (on_a.point(DVec2::new(s, t)), on_b.point(DVec2::new(u, v)));
         let way = q - p;
         let square = way.length_squared();

@@ -30,6 +30,8 @@ struct Caster {
     normal: Vec3,
     /// Opacity, 1 for anything but glass.
     opacity: f32,
+    /// Glass of this colour instead of its texture's.
+    transmission: Option<Vec3>,
     fence: bool,
     picture: Option<Picture>,
 }
@@ -69,11 +71,10 @@ pub(crate) enum Effect {
 }
 
 impl Filters {
-    /// The filters of a scene; `names` are the lower-case texture names of the surfaces.
+    /// The filters of a scene.
     pub(crate) fn new(
         bsp: &Bsp,
         surfaces: &[Surface],
-        names: &[String],
         models: &[Model],
         settings: &SceneSettings,
         warnings: &mut Vec<String>,
@@ -88,7 +89,7 @@ impl Filters {
         };
         for (face, surface) in surfaces.iter().enumerate() {
             if surface.role == Role::Filter {
-                builder.add_surface(face, surface, names[face].starts_with('{'));
+                builder.add_surface(face, surface);
             }
         }
         for (index, model) in models.iter().enumerate().skip(1) {
@@ -135,6 +136,9 @@ impl Filters {
         if ray.direction.dot(caster.normal) <= 0.0 {
             return Effect::Pass;
         }
+        if let Some(share) = caster.transmission {
+            return Effect::Tint(share, 1.0);
+        }
         let colour = caster.picture.as_ref().and_then(|p| self.texel(p, ray.point));
         colour.map_or(Effect::Pass, |c| Effect::Tint(c / 255.0, caster.opacity))
     }
@@ -158,12 +162,13 @@ struct Builder<'a> {
 }
 
 impl Builder<'_> {
-    fn add_surface(&mut self, face: usize, surface: &Surface, fence: bool) {
+    fn add_surface(&mut self, face: usize, surface: &Surface) {
         let Some(polygon) = surface.polygon() else { return };
         let texinfo = usize::try_from(self.bsp.faces[face].texinfo)
             .ok()
             .and_then(|i| self.bsp.texinfos.get(i).copied());
-        let wants_texture = fence || surface.opacity < 1.0;
+        let wants_texture =
+            surface.fence || surface.opacity < 1.0 && surface.transmission.is_none();
         let picture =
             texinfo.filter(|_| wants_texture).and_then(|texinfo| self.picture(&texinfo, surface));
         self.polygons.push(polygon);
@@ -172,7 +177,8 @@ impl Builder<'_> {
             mask: surface.channel_mask,
             normal: surface.normal,
             opacity: surface.opacity,
-            fence,
+            transmission: surface.transmission,
+            fence: surface.fence,
             picture,
         });
     }
@@ -208,6 +214,7 @@ impl Builder<'_> {
                 mask: model.channel_mask,
                 normal: polygon.normal,
                 opacity: 1.0,
+                transmission: None,
                 fence: false,
                 picture: None,
             });
@@ -235,11 +242,11 @@ impl Scene {
                     let texels = Arc::clone(&self.filters.textures[p.texels]);
                     PaneColour::Texture(texels, [p.s, p.t], p.offset)
                 };
-                let pane = Pane {
-                    normal: caster.normal,
-                    opacity: caster.opacity,
-                    colour: caster.picture.as_ref().map(texture),
+                let (opacity, colour) = match caster.transmission {
+                    Some(share) => (1.0, Some(PaneColour::Even(share))),
+                    None => (caster.opacity, caster.picture.as_ref().map(texture)),
                 };
+                let pane = Pane { normal: caster.normal, opacity, colour };
                 (polygon.clone(), pane)
             })
             .unzip()

@@ -6,6 +6,7 @@ mod build;
 mod corner_frames;
 mod dirt;
 pub mod effects;
+mod emission;
 mod entity_lights;
 pub(crate) mod exact;
 pub mod export;
@@ -22,6 +23,7 @@ pub mod lights;
 mod luxel_grid;
 mod luxel_size;
 pub mod luxels;
+pub mod material_file;
 mod materials;
 mod minlight;
 mod models;
@@ -34,6 +36,7 @@ mod projection;
 mod rad;
 mod radiosity_lights;
 mod random;
+mod shading;
 mod shadow;
 mod shape;
 mod sidecar;
@@ -119,6 +122,8 @@ pub struct Scene {
     pub warnings: Vec<String>,
     /// Lower-case texture names of the surfaces; empty where there is none.
     pub(crate) names: Vec<String>,
+    /// By surface; empty if none varies.
+    shadings: Vec<Option<shading::Shading>>,
     obstacles: Option<obstacles::Obstacles>,
     shapes: Vec<shape::Shape>,
     neighbours: neighbours::Neighbours,

@@ -92,6 +92,14 @@ pub struct Surface {
     /// Share of light that takes on the colour of the surface when it passes through glass, 0 to 1;
     /// 1 is no glass.
     pub opacity: f32,
+    /// Share of light that passes straight through, per channel, where a material file says so; it
+    /// replaces the tint of glass.
+    pub transmission: Option<Vec3>,
+    /// Share of light that leaves the opposite face of a thin brush diffusely, per channel, where a
+    /// material file says so.
+    pub diffuse: Option<Vec3>,
+    /// Texels of the last palette index are holes.
+    pub fence: bool,
     /// Lit from behind as well (liquids).
     pub two_sided: bool,
     /// Receives no light from lights, suns and bounces.
