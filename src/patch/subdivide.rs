@@ -104,7 +104,9 @@ impl MapPatches {
         for block in blocks {
             let centroid = (block.moment / block.area).as_vec2();
             let eye = luxels.world_of(centroid) + surface.normal * LIFT;
-            let points = || points_of(luxels, &block);
+            let here = super::PatchId(self.set.patches.len() as u32);
+            let points = || points_of(luxels, &block).filter(|&at| grid.at(at.x, at.y) == here);
+            let points = || points().map(|at| luxels.world_of(at));
             let varied = scene.mean_reflectance(index, points());
             if let Some(glow) = scene.mean_glow(index, points()) {
                 self.glow.resize(self.surface.len(), Vec3::ZERO);
@@ -165,18 +167,13 @@ impl MapPatches {
     }
 }
 
-/// World points spread evenly around the luxels of a block, with their weights.
-fn points_of<'a>(
-    luxels: &'a LuxelGrid,
-    block: &'a Block,
-) -> impl Iterator<Item = (Vec3, f32)> + 'a {
+/// Luxel coordinates spread evenly around the luxels of a block.
+fn points_of<'a>(luxels: &'a LuxelGrid, block: &'a Block) -> impl Iterator<Item = Vec2> + 'a {
     const ACROSS: u32 = 8;
-    block.luxels.iter().flat_map(move |&(luxel, weight)| {
+    block.luxels.iter().flat_map(move |&(luxel, _)| {
         (0..ACROSS * ACROSS).map(move |k| {
             let [x, y] = [k % ACROSS, k / ACROSS].map(|k| (k as f32 + 0.5) / ACROSS as f32 - 0.5);
-            let at =
-                Vec2::new(x + (luxel % luxels.width) as f32, y + (luxel / luxels.width) as f32);
-            (luxels.world_of(at), weight)
+            Vec2::new(x + (luxel % luxels.width) as f32, y + (luxel / luxels.width) as f32)
         })
     })
 }

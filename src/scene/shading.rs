@@ -89,7 +89,7 @@ impl Scene {
     pub fn mean_reflectance(
         &self,
         surface: usize,
-        points: impl Iterator<Item = (Vec3, f32)>,
+        points: impl Iterator<Item = Vec3>,
     ) -> Option<Vec3> {
         let shading = self.shading(surface).filter(|s| s.modifier.is_some())?;
         let base = self.surfaces[surface].reflectance.0;
@@ -99,11 +99,7 @@ impl Scene {
 
     /// Share and colour of what a surface emits, the mean over some world points; `None` where it is the
     /// same all over.
-    pub fn mean_glow(
-        &self,
-        surface: usize,
-        points: impl Iterator<Item = (Vec3, f32)>,
-    ) -> Option<Vec3> {
+    pub fn mean_glow(&self, surface: usize, points: impl Iterator<Item = Vec3>) -> Option<Vec3> {
         let shading = self.shading(surface).filter(|s| s.emission.is_some())?;
         Some(mean(points, |p| shading.glow(p)))
     }
@@ -114,12 +110,12 @@ impl Scene {
     }
 }
 
-/// Weighted mean over points.
-fn mean(points: impl Iterator<Item = (Vec3, f32)>, value: impl Fn(Vec3) -> Vec3) -> Vec3 {
-    let (mut sum, mut weights) = (Vec3::ZERO, 0.0);
-    for (point, weight) in points {
-        sum += value(point) * weight;
-        weights += weight;
+/// Mean over points; 0 without any.
+fn mean(points: impl Iterator<Item = Vec3>, value: impl Fn(Vec3) -> Vec3) -> Vec3 {
+    let (mut sum, mut count) = (Vec3::ZERO, 0.0);
+    for point in points {
+        sum += value(point);
+        count += 1.0;
     }
-    if weights > 0.0 { sum / weights } else { Vec3::ZERO }
+    if count > 0.0 { sum / count } else { Vec3::ZERO }
 }
