@@ -3,33 +3,42 @@
 //! Two functions are the whole of it: [`light_bsp`] for maps and [`light_patches`] for text scenes.
 //! Both read as the algorithm; each line is a stage that lives in a room of its own.
 
+pub mod aim;
 pub mod bsp;
+pub mod cache;
+pub mod check;
 pub mod cli;
 pub mod engine;
 pub mod error;
 pub mod legacy_args;
 pub mod light;
 pub mod lightmap;
+mod map_stages;
+pub mod memory;
 pub mod output;
 pub mod outputs;
 pub mod patch;
 pub mod photometry;
+pub mod plot;
 pub mod progress;
 pub mod radiosity;
 pub mod render;
 pub mod report;
+pub mod run_report;
 pub mod scene;
 pub mod settings;
 mod stage;
 mod store;
+pub mod sweep;
 
 pub use error::{Error, Result};
 pub use scene::effects::plan;
 pub use store::Files;
 
 use bsp::{Bsp, MipTex};
+use check::{Energy, Findings};
 use lightmap::FinishedFace;
-use outputs::Scope;
+use map_stages::{BouncedLight, DirectLit};
 use patch::{MAX_REFLECTANCE, TextPatches, TextScene};
 use progress::Progress;
 use radiosity::hemicube::HemicubeSize;
@@ -45,7 +54,7 @@ use scene::{Scene, Sidecar};
 use settings::{Quality, Settings};
 
 /// Share of a text scene's light that may be left unsent when it counts as settled.
-const TEXT_RESIDUAL: f64 = 1e-9;
+pub(crate) const TEXT_RESIDUAL: f64 = 1e-9;
 
 /// Passes that tell which patches are bright enough to matter.
 const ROUGH_PASSES: u32 = 16;
@@ -116,6 +125,10 @@ pub struct MapLight {
     pub files: Files,
     /// What the run counted.
     pub counts: Counts,
+    /// How far off its bounced light is, and where that light goes, if that was checked.
+    pub checked: (Option<Findings>, Option<Energy>),
+    /// How the work was chosen, one sentence each, if the settings left that open.
+    pub choices: Vec<String>,
 }
 
 /// Lights a map: replaces the lighting of `bsp`, unless only a `.lit` file for it is asked for.
@@ -130,50 +143,36 @@ pub fn light_bsp(
     settings: &Settings,
     progress: &Progress,
 ) -> Result<MapLight> {
-    let outputs = &settings.outputs;
-    let unchanged = (outputs.scope == Scope::LitOnly).then(|| bsp.clone());
-    bsp.clear_lighting();
-    bsp.rewrite_entities(settings.styles(bsp)?)?;
-    let scene = Scene::build(bsp, sidecar, &settings.scene(textures))?;
-    let points = stage::place(&scene, settings, progress);
-    let mut direct = stage::direct(&scene, points.samples(), settings, progress);
-    let patches = stage::patches(&scene, &points.luxels, settings, progress);
-    let transfers = stage::transfers(&scene, &patches, settings, progress);
-    let bounced =
-        stage::bounce(&scene, &patches, &transfers, (&points, &direct), settings, progress);
-    let sources = lightmap::Sources {
-        scene: &scene,
-        patches: &patches,
-        transfers: &transfers,
-        light: &bounced.styles,
+    light_bsp_in_steps(bsp, sidecar, textures, settings, progress, &mut |_, _| {})
+}
+
+/// As [`light_bsp`]; `keep` gets the map and its files each time that they are whole, before the light in
+/// them gets better.
+///
+/// # Errors
+/// As [`light_bsp`].
+pub fn light_bsp_in_steps(
+    bsp: &mut Bsp,
+    sidecar: Sidecar<'_>,
+    textures: Vec<MipTex>,
+    settings: &Settings,
+    progress: &Progress,
+    keep: &mut dyn FnMut(&Bsp, &Files),
+) -> Result<MapLight> {
+    let unlit = bsp.clone();
+    let direct = DirectLit::new(bsp, sidecar, textures, settings, progress)?;
+    let whole = |bsp: &mut Bsp, light: &BouncedLight| {
+        let faces = direct.finish(light, settings, progress);
+        let stored = direct.store(bsp, &unlit, (&faces, light), settings, progress)?;
+        Ok::<_, Error>((faces, stored))
     };
-    let indirect = stage::gather(sources, &points.luxels, settings, progress);
-    let counts = Counts::new(&scene, &direct, &patches, &transfers, &bounced, &indirect);
-    stage::directions(sources, &points.luxels, &indirect, &mut direct, settings);
-    let faces = if let Some(view) = settings.debug {
-        let sources = lightmap::DebugSources {
-            scene: &scene,
-            samples: points.samples(),
-            direct: &direct,
-            indirect: &indirect.maps,
-            patches: &patches,
-            light: &bounced.styles,
-        };
-        stage::debug(view, sources, settings)
-    } else {
-        let probes = stage::probes(&scene, &patches, points.samples(), &bounced, settings);
-        stage::finish(&scene, &points, direct, indirect.maps, &probes, settings)
-    };
-    if let Some(unchanged) = unchanged {
-        *bsp = unchanged;
-        let store::LitOnly { rgb, files } = store::lit_only(bsp, &scene, &faces, outputs)?;
-        return Ok(MapLight { scene, faces, rgb: Some(rgb), files, counts });
-    }
-    let copies = outputs.vanilla && outputs.writes_map();
-    let vanilla = lightmap::vanilla_copies(&scene, &faces, copies);
-    let packed = lightmap::pack(&faces, &vanilla)?;
-    bsp.bspx.extend(stage::light_grid(&scene, &patches, &bounced, progress)?);
-    let files = store::store(bsp, &packed, &scene, outputs)?;
-    let rgb = packed.coloured.then_some(packed.rgb);
-    Ok(MapLight { scene, faces, rgb, files, counts })
+    let (bounced, choices) = aim::bounced(&direct, settings, progress, &mut |light| {
+        let mut bsp = bsp.clone();
+        if let Ok((_, (_, files))) = whole(&mut bsp, light) {
+            keep(&bsp, &files);
+        }
+    });
+    let (faces, (rgb, files)) = whole(bsp, &bounced)?;
+    let BouncedLight { counts, checked, .. } = bounced;
+    Ok(MapLight { scene: direct.scene, faces, rgb, files, counts, checked, choices })
 }

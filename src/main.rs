@@ -1,8 +1,10 @@
 //! `qrad`: the command line. Reads files, calls the library, prints; the only place that decides an
 //! exit code.
 
+mod estimate_table;
 mod map_job;
 mod scene_job;
+mod sweep_job;
 
 use clap::{CommandFactory, Parser};
 use log::LevelFilter;

@@ -4,15 +4,17 @@ use anyhow::Context;
 use clap::{CommandFactory, Parser};
 use glam::Vec3;
 use qrad::bsp::{Bsp, Entity, MipTex, load_wad, parse_entities, read_hdr_lit, read_lit};
+use qrad::cache::Cache;
 use qrad::cli::Cli;
 use qrad::outputs::{DirectionFile, Outputs, Scope};
 use qrad::progress::Progress;
 use qrad::render::{Camera, LitMap, start_camera};
 use qrad::report::Report;
+use qrad::run_report::{self, RunReport};
 use qrad::scene::material_file::MaterialFile;
 use qrad::scene::{Scene, Sidecar, export};
 use qrad::settings::Settings;
-use qrad::{Files, MapLight, legacy_args, light_bsp, lightmap, output};
+use qrad::{Files, MapLight, aim, legacy_args, light_bsp_in_steps, lightmap, output, sweep};
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
@@ -69,11 +71,47 @@ pub fn run(
         print!("{}", qrad::plan(&scene, &settings));
         return Ok(());
     }
+    if cli.accuracy.estimate {
+        let estimated = aim::estimate(&mut bsp, sidecar, textures, &settings)
+            .with_context(|| path.display().to_string())?;
+        print!("{}", crate::estimate_table::of_map(&estimated));
+        return Ok(());
+    }
+    if let Some(folder) = &cli.accuracy.sweep {
+        let bytes = [read(path)?, read_optional(cli.accuracy.truth.as_deref())?];
+        let truth = match &cli.accuracy.truth {
+            Some(path) => Some(sweep::map_truth(
+                &String::from_utf8_lossy(&bytes[1]),
+                &path.display().to_string(),
+            )?),
+            None => None,
+        };
+        let name = path.file_stem().unwrap_or_default().to_string_lossy();
+        let bytes: Vec<&[u8]> = bytes
+            .iter()
+            .map(Vec::as_slice)
+            .chain(
+                [texinfo.as_deref(), content.as_deref()].iter().map(|t| t.unwrap_or("").as_bytes()),
+            )
+            .collect();
+        let mut bench =
+            sweep::MapBench::new(&name, bsp, (sidecar, textures), settings, truth, &bytes);
+        return crate::sweep_job::run(folder, &mut bench, cli.quiet, visible);
+    }
     // A map that goes elsewhere has nothing to do with what lies there.
     let luxels = if target == path { bsp.lighting.len() } else { 0 };
     let progress = Progress::new(visible);
-    let lit = light_bsp(&mut bsp, sidecar, textures.clone(), &settings, &progress)
-        .with_context(|| path.display().to_string())?;
+    let mut keep = |bsp: &Bsp, files: &Files| {
+        if settings.keep_partial {
+            let _whole = writing.lock();
+            if let Err(error) = write_files(target, bsp, files, &settings.outputs) {
+                log::warn!("{error}");
+            }
+        }
+    };
+    let lit =
+        light_bsp_in_steps(&mut bsp, sidecar, textures.clone(), &settings, &progress, &mut keep)
+            .with_context(|| path.display().to_string())?;
     for sentence in &lit.scene.warnings {
         log::warn!("{sentence}");
     }
@@ -108,15 +146,36 @@ pub fn run(
             log::warn!("{sentence}");
         }
     }
+    let mut report = Report::new();
+    for sentence in &lit.choices {
+        report.row("chosen", sentence);
+    }
+    lit.counts.print(&mut report);
+    report.accuracy(&lit.checked);
+    let stages = progress.stages();
+    if lit.checked.0.is_some() && settings.aim == aim::Aim::Settings {
+        let seconds = progress.elapsed().as_secs_f64();
+        report.half_error(aim::half_error(&settings, &lit.counts, &stages, seconds));
+    }
+    report.resources(&stages, start.elapsed());
+    for file in written {
+        report.row("written", file.display());
+    }
+    if let Some(file) = &cli.accuracy.report {
+        let mut all = RunReport::new(path, &report, &stages, start.elapsed(), lit.checked.clone());
+        all.settings = settings.describe();
+        all.choices = lit.choices.clone();
+        all.plan = qrad::plan(&lit.scene, &settings).to_string();
+        let (pictures, _) = lightmap::atlases(&lit.faces, &sizes(&lit));
+        let named = |(style, picture)| (format!("Lightmaps of style {style}"), picture);
+        all.pictures = pictures.into_iter().map(named).collect();
+        let _whole = writing.lock();
+        all.write(file)?;
+        report.row("written", file.display());
+    }
     if !cli.quiet {
         if let Some(engine) = cli.outputs.engine {
             println!("{}", engine.choice());
-        }
-        let mut report = Report::new();
-        lit.counts.print(&mut report);
-        report.resources(&progress.stages(), start.elapsed());
-        for file in written {
-            report.row("written", file.display());
         }
         print!("{report}");
     }
@@ -163,6 +222,11 @@ fn read(path: &Path) -> anyhow::Result<Vec<u8>> {
     std::fs::read(path).with_context(|| format!("cannot read {}", path.display()))
 }
 
+/// A file, or nothing for no path.
+pub(crate) fn read_optional(path: Option<&Path>) -> anyhow::Result<Vec<u8>> {
+    path.map_or(Ok(Vec::new()), read)
+}
+
 /// A file that qbsp may have written beside the map.
 fn sidecar(map: &Path, extension: &str) -> anyhow::Result<Option<String>> {
     let path = map.with_extension(extension);
@@ -190,6 +254,8 @@ fn check_outputs(cli: &Cli, map: &Path, target: &Path, settings: &Settings) -> q
     ];
     let files = files.into_iter().filter_map(|(wanted, path)| wanted.then_some(path));
     let files: Vec<&Path> = files.chain(cli.preview.as_deref()).collect();
+    let files: Vec<&Path> = files.into_iter().chain(cli.accuracy.report.as_deref()).collect();
+    cli.accuracy.report.as_deref().map_or(Ok(()), run_report::check_name)?;
     files.iter().try_for_each(|path| output::check_writable(path))?;
     // The map may be replaced by itself. A `.lit` file may come or go.
     let lit = (outputs.writes_map() && !entities_only).then_some(lit.as_path());
@@ -197,6 +263,7 @@ fn check_outputs(cli: &Cli, map: &Path, target: &Path, settings: &Settings) -> q
     let inputs = inputs.map(PathBuf::as_path);
     let inputs: Vec<&Path> = inputs.chain((target != map).then_some(map)).collect();
     output::check_distinct(&files.iter().copied().chain(lit).collect::<Vec<_>>(), &inputs)?;
+    settings.cache.as_ref().map_or(Ok(()), Cache::check)?;
     cli.dump_lightmaps.as_deref().map_or(Ok(()), output::check_folder)
 }
 
@@ -327,7 +394,11 @@ fn preview_camera(
 }
 
 fn dump(folder: &Path, lit: &MapLight) -> qrad::Result<Vec<PathBuf>> {
+    lightmap::dump(folder, &lit.faces, &sizes(lit))
+}
+
+/// Width and height of each face's lightmap.
+fn sizes(lit: &MapLight) -> Vec<[u32; 2]> {
     let grids = lit.scene.surfaces.iter().map(|s| s.luxels.as_ref());
-    let sizes: Vec<[u32; 2]> = grids.map(|g| g.map_or([0; 2], |g| [g.width, g.height])).collect();
-    lightmap::dump(folder, &lit.faces, &sizes)
+    grids.map(|g| g.map_or([0; 2], |g| [g.width, g.height])).collect()
 }

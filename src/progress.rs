@@ -8,12 +8,13 @@ use std::time::{Duration, Instant};
 pub struct Progress {
     visible: bool,
     stages: Mutex<Vec<(&'static str, Duration)>>,
+    start: Instant,
 }
 
 impl Progress {
     /// Bars are drawn on standard error when `visible`, and only if that is a terminal.
     pub fn new(visible: bool) -> Self {
-        Self { visible, stages: Mutex::new(Vec::new()) }
+        Self { visible, stages: Mutex::new(Vec::new()), start: Instant::now() }
     }
 
     /// Begins a stage of `total` steps; it ends when the value returned is dropped.
@@ -26,6 +27,18 @@ impl Progress {
             .with_style(style.progress_chars("=> "))
             .with_message(name);
         Stage { progress: self, name, start: Instant::now(), bar }
+    }
+
+    /// Prints a sentence where bars are shown.
+    pub fn say(&self, sentence: &str) {
+        if self.visible {
+            eprintln!("{sentence}");
+        }
+    }
+
+    /// Time since the beginning.
+    pub fn elapsed(&self) -> Duration {
+        self.start.elapsed()
     }
 
     /// Name and duration of the stages ended so far, in order.

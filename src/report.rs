@@ -1,6 +1,8 @@
 //! The table at the end of a run.
 
+use crate::check::{Energy, Findings};
 use crate::light::DirectLight;
+use crate::memory;
 use crate::patch::MapPatches;
 use crate::radiosity::bounce::Bounced;
 use crate::radiosity::transfers::Transfers;
@@ -58,7 +60,7 @@ impl Counts {
             lights: scene.lights.len(),
             styles: styles.len(),
             rays: direct.iter().map(|d| d.rays).sum(),
-            hemicubes: [transfers.stored() as u64, gathered.hemicubes],
+            hemicubes: [transfers.drawn(), gathered.hemicubes],
             transfers: transfers.len(),
             bounces: bounced.bounces,
             residual: bounced.residual,
@@ -112,15 +114,61 @@ impl Report {
         self.row(name, grouped);
     }
 
+    /// Adds what a check found out, if there was one.
+    pub fn accuracy(&mut self, (findings, energy): &(Option<Findings>, Option<Energy>)) {
+        if let Some(f) = findings {
+            self.row("estimated error", f.text());
+            self.row(
+                "  bias",
+                format!(
+                    "{:+.2} %, {:+.1} % by rays alone",
+                    100.0 * (f.bias - 1.0),
+                    100.0 * (f.bias_by_rays - 1.0)
+                ),
+            );
+            self.row("  checked", format!("{} of {}", f.points, f.of));
+            if let Some(odd) = f.odd_text() {
+                self.row("  far off", odd);
+            }
+        }
+        if let Some(e) = energy {
+            self.row(
+                "energy balance",
+                format!("{:.2} % of the light sent to patches arrives", 100.0 * e.balance),
+            );
+            self.row("  meets none", format!("{:.2} %", 100.0 * e.lost));
+            if let Some(first) = e.first_dead {
+                let row = format!("{} patches that others see, the first is {first}", e.dead);
+                self.row("  see nothing", row);
+            }
+        }
+    }
+
+    /// Adds what half the error would take, in seconds.
+    pub fn half_error(&mut self, seconds: Option<f64>) {
+        let text = match seconds {
+            Some(seconds) => format!("would take about {seconds:.1} s"),
+            None => "is out of reach of the settings".to_owned(),
+        };
+        self.row("half the error", text);
+    }
+
     /// Adds a row a stage, in seconds, their sum, and the peak memory.
     pub fn resources(&mut self, stages: &[(&'static str, Duration)], total: Duration) {
         for (name, time) in stages {
             self.row(format!("  {name}"), format!("{:.2} s", time.as_secs_f64()));
         }
         self.row("time", format!("{:.2} s", total.as_secs_f64()));
-        let memory = peak_memory();
+        let memory = memory::peak();
         let text = memory.map_or("not known here".into(), |m| format!("{} MiB", m >> 20));
         self.row("peak memory", text);
+    }
+}
+
+impl Report {
+    /// Names and values of the rows.
+    pub fn rows(&self) -> &[(String, String)] {
+        &self.rows
     }
 }
 
@@ -132,13 +180,6 @@ impl Display for Report {
         }
         Ok(())
     }
-}
-
-/// Largest resident size of this process so far in bytes, where the system tells it.
-fn peak_memory() -> Option<u64> {
-    let status = std::fs::read_to_string("/proc/self/status").ok()?;
-    let line = status.lines().find_map(|l| l.strip_prefix("VmHWM:"))?;
-    line.trim().strip_suffix(" kB")?.trim().parse::<u64>().ok().map(|kib| kib << 10)
 }
 
 #[cfg(test)]

@@ -4,8 +4,10 @@ use anyhow::Context;
 use qrad::cli::Cli;
 use qrad::patch::{TextScene, decode};
 use qrad::progress::Progress;
+use qrad::radiosity::near_pairs::NearLimits;
 use qrad::report::Report;
-use qrad::{light_patches_with, output};
+use qrad::run_report::{self, RunReport};
+use qrad::{aim, check, light_patches_with, output, sweep};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
@@ -17,14 +19,45 @@ pub fn run(cli: &Cli, path: &Path, visible: bool, writing: &Mutex<()>) -> anyhow
     let bytes = std::fs::read(path).with_context(|| format!("cannot read {}", path.display()))?;
     let name = path.display().to_string();
     let scene = TextScene::parse(decode(&bytes, &name)?, &name)?;
+    if let Some(folder) = &cli.accuracy.sweep {
+        let file = crate::map_job::read_optional(cli.accuracy.truth.as_deref())?;
+        let truth = match &cli.accuracy.truth {
+            Some(path) => {
+                let (text, name) = (String::from_utf8_lossy(&file), path.display().to_string());
+                Some(sweep::text_truth(&text, &name)?)
+            }
+            None => None,
+        };
+        let name = path.file_stem().unwrap_or_default().to_string_lossy();
+        let mut bench = sweep::TextBench::new(&name, scene, truth, &[&bytes, &file])?;
+        return crate::sweep_job::run(folder, &mut bench, cli.quiet, visible);
+    }
+    if cli.accuracy.estimate {
+        print!("{}", crate::estimate_table::of_text(&aim::estimate_text(&scene)?));
+        return Ok(());
+    }
     let target = cli.output.clone().unwrap_or_else(|| lit_name(path));
     let to_stdout = target == Path::new("-");
     if !to_stdout {
         output::check_distinct(&[&target], &[path])?;
         output::check_writable(&target)?;
     }
+    if let Some(report) = &cli.accuracy.report {
+        run_report::check_name(report)?;
+        output::check_distinct(&[&target, report], &[path])?;
+        output::check_writable(report)?;
+    }
     let progress = Progress::new(visible);
-    let (transfers, solution) = light_patches_with(&scene, cli.near(), &progress)?;
+    let (near, choices) = chosen(cli, &scene)?;
+    choices.iter().for_each(|sentence| progress.say(sentence));
+    let (transfers, solution) = light_patches_with(&scene, near, &progress)?;
+    let checked = if cli.accuracy.no_check {
+        (None, None)
+    } else {
+        let end = Instant::now() + check::budget(progress.elapsed(), check::SHARE);
+        let _stage = progress.stage("check", 1);
+        check::check_patches(&scene, &transfers, &solution, end)
+    };
     let exitance: Vec<[f64; 3]> =
         solution.exitance.iter().map(|m| m.0.as_dvec3().to_array()).collect();
     let text = scene.lit(&exitance).to_text();
@@ -34,17 +67,39 @@ pub fn run(cli: &Cli, path: &Path, visible: bool, writing: &Mutex<()>) -> anyhow
         let _whole = writing.lock();
         output::write(&target, text.as_bytes())?;
     }
-    if cli.quiet {
-        return Ok(());
-    }
     let mut report = Report::new();
+    for sentence in &choices {
+        report.row("chosen", sentence);
+    }
     report.count("patches", scene.patches.len() as u64);
     report.count("transfers", transfers.len() as u64);
     report.row("passes", format!("{} of at most {}", solution.passes, scene.passes));
     report.row("residual", format!("{:.1e}", solution.residual));
     report.row("ended", if solution.settled { "nothing left to send" } else { "passes used up" });
-    report.resources(&progress.stages(), start.elapsed());
+    report.accuracy(&checked);
+    if checked.0.is_some() && choices.is_empty() {
+        let quality = near.is_some().then_some(cli.quality);
+        report.half_error(aim::half_error_text(quality, start.elapsed().as_secs_f64()));
+    }
+    let stages = progress.stages();
+    report.resources(&stages, start.elapsed());
     report.row("written", if to_stdout { "-".into() } else { target.display().to_string() });
+    if let Some(file) = &cli.accuracy.report {
+        let mut all = RunReport::new(path, &report, &stages, start.elapsed(), checked);
+        let [width, height] = scene.hemicube;
+        let near = near.map_or("off".to_owned(), |n| format!("{n:?}"));
+        all.settings = vec![
+            ("hemicube".into(), format!("{width} x {height}")),
+            ("near field".into(), near),
+            ("passes".into(), scene.passes.to_string()),
+        ];
+        all.choices = choices;
+        let _whole = writing.lock();
+        all.write(file)?;
+    }
+    if cli.quiet {
+        return Ok(());
+    }
     // The scene has standard output for itself.
     if to_stdout {
         eprint!("{report}");
@@ -52,6 +107,29 @@ pub fn run(cli: &Cli, path: &Path, visible: bool, writing: &Mutex<()>) -> anyhow
         print!("{report}");
     }
     Ok(())
+}
+
+/// Which pairs get closed forms, and how that was chosen if an error is asked for.
+fn chosen(cli: &Cli, scene: &TextScene) -> anyhow::Result<(Option<NearLimits>, Vec<String>)> {
+    let Some(target) = cli.accuracy.target_error else { return Ok((cli.near(), Vec::new())) };
+    let quality = aim::text_quality(target);
+    let start = Instant::now();
+    let predicted = aim::estimate_text(scene)?;
+    let pilot = start.elapsed().as_secs_f64();
+    let of = predicted.iter().find(|p| p.quality == quality);
+    let (seconds, error) = of.map_or((0.0, 0.0), |p| (p.seconds, p.error));
+    let sentence = format!(
+        "for an error of {:.2} %: quality {}, with an error below {:.2} % expected, in {:.2} s as a whole",
+        100.0 * target,
+        format!("{quality:?}").to_lowercase(),
+        100.0 * error,
+        pilot + seconds
+    );
+    let mut said = vec![sentence];
+    if error > target {
+        said.push("the target is out of reach of all presets".into());
+    }
+    Ok((Some(quality.near()), said))
 }
 
 /// `NAME-lit.txt` beside `NAME.txt`.

@@ -1,7 +1,11 @@
 //! What the user can set, checked once and passed down from there.
 
+use crate::aim::Aim;
 use crate::bsp::{Bsp, MipTex, StyleRange};
+use crate::cache::Cache;
+use crate::check;
 use crate::lightmap::{DebugView, Gather, GatherSettings, Smoothing};
+use crate::memory::MemoryLimit;
 use crate::outputs::Outputs;
 use crate::radiosity::hemicube::HemicubeSize;
 use crate::radiosity::near_pairs::NearLimits;
@@ -119,8 +123,20 @@ pub struct Settings {
     pub debug: Option<DebugView>,
     /// What is written.
     pub outputs: Outputs,
+    /// Some luxels are lit again to tell how far off bounced light is.
+    pub check: bool,
+    /// Share of the run's time that this may take, in (0, 1).
+    pub check_share: f64,
+    /// What the run is to reach. Other than by settings, it chooses those of bounced light.
+    pub aim: Aim,
+    /// Light that is whole but may get better is kept: see [`light_bsp_in_steps`](crate::light_bsp_in_steps).
+    pub keep_partial: bool,
     /// Effects switched on or off by hand.
     pub switches: Switches,
+    /// Most memory that the run is to take.
+    pub memory: MemoryLimit,
+    /// Where form factors are kept from one run to the next.
+    pub cache: Option<Cache>,
 }
 
 impl Default for Settings {
@@ -149,7 +165,13 @@ impl Settings {
             overrides: Vec::new(),
             debug: None,
             outputs: Outputs::default(),
+            check: true,
+            check_share: check::SHARE,
+            aim: Aim::Settings,
+            keep_partial: false,
             switches: Switches::default(),
+            memory: MemoryLimit::of_system(),
+            cache: None,
         }
     }
 
@@ -198,8 +220,45 @@ impl Settings {
             let problem = format!("{}: use 0 or more", self.reflectance_scale);
             return Err(Error::setting("--reflectance-scale", problem));
         }
+        match self.aim {
+            Aim::Error(e) if !(e > 0.0 && e < 1.0) => {
+                return Err(Error::setting(
+                    "--target-error",
+                    "use more than 0 % and less than 100 %",
+                ));
+            }
+            Aim::Time(t) if !(t > 0.0 && t <= 1e7) => {
+                return Err(Error::setting("--time-budget", "use more than 0 s"));
+            }
+            _ => {}
+        }
         self.outputs.clone().checked()?;
         Ok(self)
+    }
+
+    /// Names and values of what a run is lit with, for reports.
+    pub fn describe(&self) -> Vec<(String, String)> {
+        let gather = match self.gather {
+            Gather::Luxel => "a hemicube at every luxel".to_owned(),
+            Gather::Interpolate => format!("interpolate, error {}", self.gather_error),
+        };
+        let bounces = self.bounces.map_or("by the map".to_owned(), |n| n.to_string());
+        let mut all = vec![
+            ("hemicube", self.hemicube.width().to_string()),
+            ("patch size", self.patch_size.to_string()),
+            ("gather", gather),
+            ("shared hemicubes", self.share.to_string()),
+            ("bounces", bounces),
+            ("residual", format!("{:e}", self.residual)),
+            ("samples a luxel", self.smoothing.extra.pow(2).to_string()),
+            ("blur", self.smoothing.soft.to_string()),
+            ("surface lights", format!("{:?}", self.surface_lights)),
+            ("reflectance scale", self.reflectance_scale.to_string()),
+            ("grey", self.grey.to_string()),
+            ("outputs", format!("{:?}", self.outputs)),
+        ];
+        all.extend(self.overrides.iter().map(|(k, v)| (&**k, v.clone())));
+        all.into_iter().map(|(name, value)| (name.to_owned(), value)).collect()
     }
 
     /// The styles that switchable lights get.

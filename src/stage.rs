@@ -1,18 +1,27 @@
 //! The stages of a map run: each calls one room, over all faces, and shows its progress.
 
-use crate::Result;
 use crate::bsp::BspxLump;
+use crate::cache::Key;
+use crate::check::{self, Energy, Findings};
 use crate::light::{self, DirectLight, Directions, Probe, StyleLight};
 use crate::lightmap::{self, DebugSources, DebugView, FinishedFace};
-use crate::patch::MapPatches;
+use crate::patch::{Emission, MapPatches};
 use crate::progress::Progress;
 use crate::radiosity::bounce::{self, Bounced};
 use crate::radiosity::solve::Limits;
 use crate::radiosity::transfers::Transfers;
 use crate::scene::{Sample, Scene, luxels};
 use crate::settings::Settings;
+use crate::{Error, Result};
 use rayon::prelude::*;
 use std::borrow::Cow;
+use std::time::Instant;
+
+/// Longest edge of the largest patches in luxels.
+const LARGEST_PATCH: u32 = 256;
+
+/// Bytes that a style of light takes at a sample, while it is added up and finished.
+const STYLE_BYTES: u64 = 24;
 
 /// The points of every surface that take light.
 pub(crate) struct Points {
@@ -30,8 +39,20 @@ impl Points {
 }
 
 /// Places luxels and samples on every surface.
-pub(crate) fn place(scene: &Scene, settings: &Settings, progress: &Progress) -> Points {
+///
+/// # Errors
+/// When they would not fit into memory.
+pub(crate) fn place(scene: &Scene, settings: &Settings, progress: &Progress) -> Result<Points> {
     let faces = scene.surfaces.len();
+    let luxels: u64 = scene.surfaces.iter().flat_map(|s| &s.luxels).map(|g| g.len() as u64).sum();
+    let fine = u64::from(settings.smoothing.extra).pow(2);
+    let value = luxels * (1 + fine) * (size_of::<Sample>() as u64 + STYLE_BYTES);
+    let limit = settings.memory.left();
+    if value > limit {
+        let what = format!("memory for the samples of {luxels} luxels, in bytes,");
+        let advice = "take fewer samples (--extra, --extra4) or raise --memory-limit";
+        return Err(Error::Limit { what, value, limit, advice });
+    }
     let stage = progress.stage("luxels", 2 * faces);
     let place = |extra: u32| -> Vec<Vec<Sample>> {
         (0..faces)
@@ -43,7 +64,7 @@ pub(crate) fn place(scene: &Scene, settings: &Settings, progress: &Progress) -> 
             .collect()
     };
     let extra = settings.smoothing.extra;
-    Points { luxels: place(1), fine: (extra > 1).then(|| place(extra)) }
+    Ok(Points { luxels: place(1), fine: (extra > 1).then(|| place(extra)) })
 }
 
 /// Direct light at every sample.
@@ -73,7 +94,8 @@ pub(crate) fn direct(
         .collect()
 }
 
-/// The patches; none when no light is to bounce.
+/// The patches; none when no light is to bounce. They are larger than the settings say where the form
+/// factors between them would not fit into memory.
 pub(crate) fn patches(
     scene: &Scene,
     samples: &[Vec<Sample>],
@@ -84,36 +106,74 @@ pub(crate) fn patches(
     if scene.world.bounce.most == Some(0) && scene.emitters.is_empty() {
         return MapPatches::default();
     }
-    MapPatches::new(scene, samples, settings.patch_size)
+    let mut size = settings.patch_size;
+    loop {
+        let patches = MapPatches::new(scene, samples, size);
+        let sharing = (&patches.leaders()[..], settings.share);
+        let (tracer, cells) = (scene.bounce_tracer(), settings.hemicube);
+        let expected = Transfers::expected_bytes(tracer, &patches.set, sharing, cells);
+        let left = settings.memory.left();
+        if expected <= left || size >= LARGEST_PATCH {
+            if size > settings.patch_size {
+                log::warn!(
+                    "patches of {size} luxels instead of {}, as form factors are to fit into the {} MiB \
+                     that are left; raise --memory-limit for more accurate bounced light",
+                    settings.patch_size,
+                    left >> 20
+                );
+            }
+            return patches;
+        }
+        size = (2 * size).min(LARGEST_PATCH);
+    }
 }
 
-/// Form factors between the patches.
+/// Form factors between the patches, drawn or as they were kept.
 pub(crate) fn transfers(
     scene: &Scene,
     patches: &MapPatches,
     settings: &Settings,
     progress: &Progress,
 ) -> Transfers {
-    let stage = progress.stage("form factors", patches.set.patches.len());
+    let count = patches.set.patches.len();
+    let stage = progress.stage("form factors", count);
     let (tracer, leaders) = (scene.bounce_tracer(), patches.leaders());
     let sharing = (leaders.as_slice(), settings.share);
-    Transfers::shared(tracer, &patches.set, sharing, settings.hemicube, |n| stage.advance(n))
+    let size = settings.hemicube;
+    // Files have no room for what an overlay adds.
+    let cache = settings.cache.as_ref().filter(|_| count > 0 && patches.set.overlay.is_none());
+    let kept = cache.map(|cache| (cache, Key::new(tracer, &patches.set, sharing, size)));
+    if let Some(transfers) = kept.as_ref().and_then(|(cache, key)| cache.load(*key, count)) {
+        return transfers;
+    }
+    let transfers = Transfers::shared(tracer, &patches.set, sharing, size, |n| stage.advance(n));
+    if let Some((cache, key)) = kept {
+        cache.keep(key, &transfers);
+    }
+    transfers
 }
 
-/// Final light of the patches in every style.
-pub(crate) fn bounce(
+/// Light of the patches before any bounce.
+#[derive(Default)]
+pub(crate) struct Shining<'a> {
+    /// Direct light at the luxels of each surface, as it bounces.
+    arriving: Vec<Cow<'a, [StyleLight]>>,
+    /// What patches give off.
+    emission: Vec<Emission>,
+}
+
+/// What is to bounce.
+pub(crate) fn shining<'a>(
     scene: &Scene,
     patches: &MapPatches,
-    transfers: &Transfers,
-    (points, direct): (&Points, &[DirectLight]),
+    (points, direct): (&Points, &'a [DirectLight]),
     settings: &Settings,
-    progress: &Progress,
-) -> Bounced {
+) -> Shining<'a> {
     if patches.set.patches.is_empty() {
-        return Bounced::default();
+        return Shining::default();
     }
     let rules = &scene.world.bounce;
-    let arriving: Vec<Cow<'_, [StyleLight]>> = direct
+    let arriving = direct
         .iter()
         .zip(points.samples())
         .zip(&scene.surfaces)
@@ -125,9 +185,24 @@ pub(crate) fn bounce(
         .collect();
     let mut emission = patches.emission(&scene.emitters);
     bounce::rule_emission(&mut emission, rules);
-    let stage = progress.stage("bounces", bounce::styles(&arriving, &emission).len());
-    let limits = Limits { passes: rules.most, residual: settings.residual };
-    bounce::bounce(patches, transfers, &arriving, &emission, limits, |n| stage.advance(n))
+    Shining { arriving, emission }
+}
+
+/// Final light of the patches in every style.
+pub(crate) fn bounce(
+    scene: &Scene,
+    patches: &MapPatches,
+    transfers: &Transfers,
+    Shining { arriving, emission }: &Shining<'_>,
+    settings: &Settings,
+    progress: &Progress,
+) -> Bounced {
+    if patches.set.patches.is_empty() {
+        return Bounced::default();
+    }
+    let stage = progress.stage("bounces", bounce::styles(arriving, emission).len());
+    let limits = Limits { passes: scene.world.bounce.most, residual: settings.residual };
+    bounce::bounce(patches, transfers, arriving, emission, limits, |n| stage.advance(n))
 }
 
 /// Indirect light at luxels.
@@ -149,6 +224,32 @@ pub(crate) fn gather(
     let how = settings.gathering();
     let (maps, hemicubes) = lightmap::indirect(sources, samples, how, |n| stage.advance(n));
     Gathered { maps, hemicubes }
+}
+
+/// How far off the bounced light is, if that is wanted and there is any.
+pub(crate) fn check(
+    sources: lightmap::Sources<'_>,
+    shining: &Shining<'_>,
+    luxels: &[Vec<Sample>],
+    gathered: &Gathered,
+    settings: &Settings,
+    progress: &Progress,
+) -> (Option<Findings>, Option<Energy>) {
+    if !settings.check || sources.light.is_empty() {
+        return (None, None);
+    }
+    let end = Instant::now() + check::budget(progress.elapsed(), settings.check_share);
+    let _stage = progress.stage("check", 1);
+    let run = check::Run {
+        sources,
+        samples: luxels,
+        arriving: &shining.arriving,
+        emission: &shining.emission,
+        found: &gathered.maps,
+        bounces: sources.scene.world.bounce.most,
+        hemicube: settings.hemicube,
+    };
+    check::check_luxels(&run, end)
 }
 
 /// Where bounced light comes from, if that is wanted, added to `direct`.

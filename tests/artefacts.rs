@@ -117,18 +117,31 @@ fn no_light_gets_under_an_unseen_door() {
     }
 }
 
-/// A door in a doorway 64 units wide and 112 high, half a unit above the floor: a little light may get
-/// through below.
-#[test]
-fn hardly_any_light_gets_under_a_door_in_its_frame() {
-    let bsp = room()
+/// A door in a doorway 64 units wide and 112 high, half a unit above the floor, between two places along the
+/// depth of the frame; lit from low x.
+fn framed_door([low, high]: [f32; 2]) -> Bsp {
+    room()
         .pillar([-8.0, -192.0, 0.0], [8.0, -32.0, 192.0], 0)
         .pillar([-8.0, 32.0, 0.0], [8.0, 192.0, 192.0], 0)
         .pillar([-8.0, -32.0, 112.0], [8.0, 32.0, 192.0], 0)
-        .model([-4.0, -32.0, 0.5], [4.0, 32.0, 112.0], Some(0))
+        .model([low, -32.0, 0.5], [high, 32.0, 112.0], Some(0))
         .entities(lit_from("-90 30 80", DOOR))
-        .build(Format::Bsp2);
-    check_dark("framed door", &bsp, 0.02, |p| p.x > 3.4);
+        .build(Format::Bsp2)
+}
+
+/// A little light may get through below.
+#[test]
+fn hardly_any_light_gets_under_a_door_in_its_frame() {
+    check_dark("framed door", &framed_door([-4.0, 4.0]), 0.02, |p| p.x > 3.4);
+}
+
+/// The same off the middle of the frame. Within the frame luxels see through the gap; behind it they do not.
+#[test]
+fn hardly_any_light_gets_under_a_door_off_the_middle_of_its_frame() {
+    for [low, high] in [[-8.0, 0.0], [0.0, 8.0], [-6.0, 2.0], [3.0, 5.0], [-8.0, -6.0]] {
+        let name = format!("framed door {low} to {high}");
+        check_dark(&name, &framed_door([low, high]), 0.01, |p| p.x > 9.0);
+    }
 }
 
 /// A wall right above a lit ledge, where light gathers within two units: no luxel is left with the light
@@ -153,6 +166,58 @@ fn no_luxel_over_a_ledge_misses_its_light() {
         let least = row.windows(2).map(ratio).fold(1.0, f32::min);
         println!("{quality:?}: neighbours over the ledge differ by a factor of {least} at most");
         assert!(least > 0.8, "{quality:?}: {least} {row:?}");
+    }
+}
+
+/// The same where the wall's lowest face is a strip, so that little is left of its patches: as far apart as
+/// others, they once did not reach each other, and every other luxel between them took its light from the
+/// face above.
+#[test]
+fn no_luxel_over_a_cornice_misses_its_light() {
+    let bsp = MapBuilder::room([-384.0, -384.0, 0.0], [384.0, 384.0, 320.0])
+        .solid_texture("dark", 4)
+        .solid_texture("bright", 15)
+        .pillar([-384.0, 352.0, 0.0], [384.0, 384.0, 94.0], 1)
+        .pillar([-384.0, 368.0, 94.0], [384.0, 384.0, 104.0], 0)
+        .pillar([-384.0, 368.0, 104.0], [384.0, 384.0, 320.0], 0)
+        .entities(lit_from("0 180 250", ""))
+        .build(Format::Bsp2);
+    for quality in [Quality::Normal, Quality::High] {
+        let map = Prepared::new(&bsp, Settings::of_quality(quality), false);
+        let [got, exact] = [quality.gather(), Gather::Luxel].map(|g| luxels(&map, g));
+        let over = |p: Vec3| p.y > 365.0 && (94.0..100.0).contains(&p.z) && p.x.abs() < 330.0;
+        let pairs = got.iter().zip(&exact).filter(|(l, _)| over(l.position));
+        let ratios: Vec<f32> = pairs.map(|(a, b)| a.light / b.light).collect();
+        let least = ratios.iter().copied().fold(f32::INFINITY, f32::min);
+        println!("{quality:?}: {} luxels get at least {least} of their light", ratios.len());
+        assert!(ratios.len() > 15 && least > 0.95, "{quality:?}: {least}");
+    }
+}
+
+/// Water in a trench, above its floor: what arrives at the water does not tell what arrives below.
+#[test]
+fn water_over_a_floor_leaves_its_light_alone() {
+    let trench = || {
+        room()
+            .solid_texture("*water", 8)
+            .pillar([-192.0, -192.0, 0.0], [192.0, -32.0, 24.0], 0)
+            .pillar([-192.0, 32.0, 0.0], [192.0, 192.0, 24.0], 0)
+            .entities(lit_from("-90 30 80", ""))
+    };
+    let water = trench().liquid([-160.0, -31.0, 0.5], [160.0, 31.0, 20.0], 1);
+    let [dry, wet] = [trench(), water].map(|m| m.build(Format::Bsp2));
+    for (quality, gather) in qualities() {
+        let floor = |bsp: &Bsp| -> Vec<f32> {
+            let map = Prepared::new(bsp, Settings::of_quality(quality), false);
+            let low = |l: &Luxel| l.face == 4 && l.position.y.abs() < 31.5;
+            luxels(&map, gather).into_iter().filter(low).map(|l| l.light).collect()
+        };
+        let (dry, wet) = (floor(&dry), floor(&wet));
+        assert!(dry.len() > 60 && wet.len() == dry.len(), "{} {}", dry.len(), wet.len());
+        let changes = wet.iter().zip(&dry).map(|(wet, dry)| (wet / dry - 1.0).abs());
+        let most = changes.fold(0.0, f32::max);
+        println!("{quality:?}: the floor's light differs by {most} at most under water");
+        assert!(most < 0.01, "{quality:?}: {most}");
     }
 }
 

@@ -31,12 +31,12 @@ fn furnace_rooms_keep_energy_and_reciprocity_and_their_residual_is_true() {
 
 #[test]
 fn the_atrium_keeps_energy_and_reciprocity_and_its_residual_is_true() {
-    // Not what they should be, 1 % and 2 %: docs/stability.md.
-    hold("atrium.bsp", 0.09, 0.10);
+    // Hundreds of planes, many of small faces: reciprocity between them is not 2 %, see docs/stability.md.
+    hold("atrium.bsp", 0.02, 0.06);
 }
 
 #[test]
 fn switchable_lights_keep_energy_and_reciprocity_and_their_residual_is_true() {
-    // Eight small lamps, each a style of its own: 1.005 % in the worst.
-    hold("styles.bsp", 0.02, 0.02);
+    // Eight small lamps, each a style of its own.
+    hold("styles.bsp", 0.01, 0.02);
 }

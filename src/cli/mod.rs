@@ -1,14 +1,18 @@
 //! The command line of `qrad`.
 
+mod accuracy;
 mod effects;
 mod outputs;
 mod values;
 
+pub use accuracy::AccuracyArgs;
 pub use effects::EffectArgs;
 pub use outputs::{GridFormatArg, OutputArgs};
 pub use values::{BounceCount, GatherArg, NearFieldArg, SurfaceLightsArg};
 
+use crate::cache::Cache;
 use crate::lightmap::{DebugView, Gather, Smoothing};
+use crate::memory::MemoryLimit;
 use crate::radiosity::hemicube::HemicubeSize;
 use crate::radiosity::near_pairs::NearLimits;
 use crate::scene::ALL_BOUNCES;
@@ -82,6 +86,10 @@ pub struct Cli {
     /// How bounced light gets from patches to luxels [default: interpolate; final: luxel]
     #[arg(long, value_enum, help_heading = "Bounced light")]
     pub gather: Option<GatherArg>,
+
+    /// Keep form factors in a folder, so that lighting the map again after lights have changed skips them
+    #[arg(long, value_name = "DIR", conflicts_with = "patches", help_heading = "Bounced light")]
+    pub cache: Option<PathBuf>,
 
     /// Factor on how much light textures send back
     #[arg(long, value_name = "FACTOR", default_value_t = 1.0, help_heading = "Materials")]
@@ -171,9 +179,18 @@ pub struct Cli {
     )]
     pub preview_size: String,
 
+    /// What is told of errors and times
+    #[command(flatten)]
+    pub accuracy: AccuracyArgs,
+
     /// Threads to use; the result does not depend on it [default: all cores]
     #[arg(long, value_name = "N")]
     pub threads: Option<usize>,
+
+    /// Most memory to take, such as 2G: patches become larger where they would not fit [default: three
+    /// quarters of what is free]
+    #[arg(long, value_name = "SIZE", conflicts_with = "patches")]
+    pub memory_limit: Option<String>,
 
     /// Print nothing but errors
     #[arg(short, long)]
@@ -226,7 +243,16 @@ impl Cli {
             overrides,
             debug: self.debug,
             outputs: self.outputs.outputs(),
+            check: !self.accuracy.no_check,
+            check_share: crate::check::SHARE,
+            aim: self.accuracy.aim(),
+            keep_partial: self.accuracy.keep_partial,
             switches: self.effects.switches()?,
+            memory: match &self.memory_limit {
+                Some(text) => MemoryLimit::parse(text)?,
+                None => MemoryLimit::of_system(),
+            },
+            cache: self.cache.clone().map(Cache::new),
         }
         .switched()
         .checked()

@@ -1,11 +1,14 @@
 //! Dirt: light is weaker where surfaces are near, as if dirt gathered in corners (contract section
 //! 6.3). Rays into the half space over a luxel measure how much room it has.
 
+use super::tiles::{Tile, Tiles};
 use crate::scene::exact::{dot, normalize, radians};
-use crate::scene::{DirtKeys, DirtSettings, LightRays, Sample, Scene, Surface};
+use crate::scene::{Bounds, DirtKeys, DirtSettings, Floor, LightRays, Sample, Scene};
 use glam::Vec3;
 use std::f64::consts::TAU;
 
+/// Most samples of a tile whose rays are looked at together.
+const MOST_AT_ONCE: usize = 256;
 /// Azimuths of the fixed directions.
 const AZIMUTHS: u32 = 16;
 /// Elevations of the fixed directions at each azimuth.
@@ -22,10 +25,10 @@ pub struct FaceDirt {
 
 impl FaceDirt {
     /// Traces dirt at the samples of a surface. Samples inside solid have all of it.
-    pub(crate) fn trace(
+    pub(super) fn trace(
         scene: &Scene,
         index: usize,
-        samples: &[Sample],
+        (samples, tiles): (&[Sample], &Tiles),
         rays: &mut LightRays<'_>,
     ) -> Self {
         let settings = &scene.world.dirt;
@@ -33,22 +36,30 @@ impl FaceDirt {
         if !settings.in_use || surface.no_dirt {
             return Self::default();
         }
-        let fixed = directions(settings);
-        let occlusion = samples
-            .iter()
-            .enumerate()
-            .map(|(i, sample)| {
-                if sample.occluded {
-                    1.0
-                } else if settings.random {
-                    let mut random = Sequence::new(index as u64, i as u64);
-                    let drawn = random_directions(settings, &mut random);
-                    occlusion(scene, surface, sample, &drawn, rays)
-                } else {
-                    occlusion(scene, surface, sample, &fixed, rays)
+        let mut room = Room {
+            depth: settings.depth,
+            mask: surface.channel_mask,
+            samples,
+            tiles,
+            sums: vec![0.0; samples.len()],
+            rays,
+        };
+        if settings.random {
+            for (i, sample) in samples.iter().enumerate().filter(|(_, s)| !s.occluded) {
+                let mut random = Sequence::new(index as u64, i as u64);
+                let frame = Frame::of(sample);
+                for direction in random_directions(settings, &mut random) {
+                    room.look(i, frame.turned(direction));
                 }
-            })
-            .collect();
+            }
+        } else if let Some(whole) = tiles.whole() {
+            room.trace(whole, &directions(settings));
+        }
+        let rays = (AZIMUTHS * ELEVATIONS) as usize;
+        let occlusion = |(sample, sum): (&Sample, &f32)| {
+            if sample.occluded { 1.0 } else { 1.0 - sum / rays as f32 / settings.depth }
+        };
+        let occlusion = samples.iter().zip(&room.sums).map(occlusion).collect();
         Self { occlusion, gain: settings.gain, scale: settings.scale }
     }
 
@@ -65,7 +76,8 @@ impl FaceDirt {
             return 1.0;
         }
         let or = |own: f32, world: f32| if own == 0.0 { world } else { own };
-        let mut dirt = occlusion.powf(or(keys.gain, self.gain)).min(1.0);
+        let gain = or(keys.gain, self.gain);
+        let mut dirt = if gain == 1.0 { occlusion } else { occlusion.powf(gain) }.min(1.0);
         dirt = (dirt * or(keys.scale, self.scale)).min(1.0);
         if let Some([off, on]) = keys.radii {
             if distance < off {
@@ -111,23 +123,88 @@ fn direction(azimuth: f64, elevation: f64) -> Vec3 {
     Vec3::new((sin * azimuth.cos()) as f32, (sin * azimuth.sin()) as f32, cos as f32)
 }
 
-/// One minus the mean distance to what is around, relative to the depth of dirt.
-fn occlusion(
-    scene: &Scene,
-    surface: &Surface,
-    sample: &Sample,
-    directions: &[Vec3],
-    rays: &mut LightRays<'_>,
-) -> f32 {
-    let depth = scene.world.dirt.depth;
-    let (tangent, bitangent) = frame(sample.normal);
-    let (tangent, bitangent) = (normalize(tangent), normalize(bitangent));
-    let mut sum = 0.0;
-    for d in directions {
-        let way = bitangent * d.x + tangent * d.y + sample.normal * d.z;
-        sum += rays.room(sample.position, way, depth, surface.channel_mask);
+/// How much room there is over samples.
+struct Room<'a, 's> {
+    /// How far to look, in world units.
+    depth: f32,
+    /// Channels of the surface.
+    mask: i32,
+    samples: &'a [Sample],
+    tiles: &'a Tiles,
+    /// Sum of the distances to what is around, a sample.
+    sums: Vec<f32>,
+    rays: &'a mut LightRays<'s>,
+}
+
+impl Room<'_, '_> {
+    /// Looks from a sample in a direction.
+    fn look(&mut self, i: usize, way: Vec3) {
+        self.sums[i] += self.rays.room(self.samples[i].position, way, self.depth, self.mask);
     }
-    1.0 - sum / directions.len() as f32 / depth
+
+    /// Looks from the samples of a tile in each of the directions.
+    fn trace(&mut self, tile: &Tile, directions: &[Vec3]) {
+        let (tiles, samples, depth) = (self.tiles, self.samples, self.depth);
+        let members = tiles.members(tile);
+        let parts = tiles.parts(tile);
+        if members.len() > MOST_AT_ONCE && !parts.is_empty() {
+            parts.iter().for_each(|part| self.trace(part, directions));
+            return;
+        }
+        let frames: Vec<Frame> = members.iter().map(|&i| Frame::of(&samples[i as usize])).collect();
+        let flat = members
+            .iter()
+            .all(|&i| samples[i as usize].normal == samples[members[0] as usize].normal);
+        let reach = |direction: Vec3| {
+            if flat {
+                let way = frames[0].turned(direction) * depth;
+                return (tile.bounds.moved(way.as_dvec3()), tiles.floor_after(tile, way));
+            }
+            let ends = members
+                .iter()
+                .zip(&frames)
+                .map(|(&i, frame)| samples[i as usize].position + frame.turned(direction) * depth);
+            let floor = tiles.floor_with(tile, ends.clone());
+            (Bounds::around(ends).unwrap_or(tile.bounds), floor)
+        };
+        let reaches: Vec<(Bounds, Floor)> = directions.iter().map(|&d| reach(d)).collect();
+        let Some(all) = reaches
+            .iter()
+            .copied()
+            .reduce(|a, b| (a.0.with(&b.0), if a.1.least < b.1.least { a.1 } else { b.1 }))
+        else {
+            return;
+        };
+        let narrow = self.rays.around(&tile.bounds, &all.0, all.1);
+        for (&direction, (end, floor)) in directions.iter().zip(&reaches) {
+            if narrow {
+                self.rays.within(&tile.bounds, end, *floor);
+            }
+            for (&i, frame) in members.iter().zip(&frames) {
+                self.look(i as usize, frame.turned(direction));
+            }
+        }
+        self.rays.anywhere();
+    }
+}
+
+/// The directions about a sample.
+struct Frame {
+    tangent: Vec3,
+    bitangent: Vec3,
+    normal: Vec3,
+}
+
+impl Frame {
+    fn of(sample: &Sample) -> Self {
+        let (tangent, bitangent) = frame(sample.normal);
+        Self { tangent: normalize(tangent), bitangent: normalize(bitangent), normal: sample.normal }
+    }
+
+    /// A direction about the z axis turned to that of the sample.
+    fn turned(&self, d: Vec3) -> Vec3 {
+        self.bitangent * d.x + self.tangent * d.y + self.normal * d.z
+    }
 }
 
 /// Two directions that span the plane across a normal (contract section 2.1), not of unit length.

@@ -12,6 +12,7 @@ mod probe;
 mod radiosity;
 mod spot;
 mod sun;
+mod tiles;
 
 pub use blockers::Blockers;
 pub use bounce_source::bounce_source;
@@ -23,8 +24,14 @@ pub(crate) use probe::{SIDES, place as probe_place, probe, probe_sides};
 
 use crate::photometry::Irradiance;
 use crate::scene::exact::{brightness, distance, dot, length};
-use crate::scene::{Bounds, Light, LightRays, Reach, Sample, Scene, Surface};
+use crate::scene::{Arrival, Light, LightRays, Reach, Sample, Scene, Surface};
 use glam::Vec3;
+use tiles::{Tile, Tiles};
+
+/// Fewer rays than this from a tile to a light are not worth a look at what is between.
+const FEW_RAYS: usize = 8;
+/// This many are worth a look even where the first of them arrives at no light.
+const MANY_RAYS: usize = 64;
 
 /// Irradiance of one light style at a list of samples.
 #[derive(Clone, Debug, PartialEq)]
@@ -76,7 +83,8 @@ pub fn direct_from(
         return result;
     }
     let mut rays = LightRays::new(scene, scene.surfaces[surface].model);
-    result.dirt = FaceDirt::trace(scene, surface, samples, &mut rays);
+    let tiles = Tiles::new(samples, scene.surfaces[surface].normal);
+    result.dirt = FaceDirt::trace(scene, surface, (samples, &tiles), &mut rays);
     let surface = &scene.surfaces[surface];
     if surface.light_ignore {
         return result;
@@ -84,8 +92,8 @@ pub fn direct_from(
     let sphere = BoundingSphere::of(surface);
     let points = (samples, &result.dirt);
     let leafs = Leafs::of(scene, samples);
-    let free = samples.iter().filter(|s| !s.occluded);
-    let bounds = Bounds::around(free.map(|s| s.position));
+    let whole = tiles.whole();
+    let mut wanted = Wanted::new(samples.len());
     for (index, light) in scene.lights.iter().enumerate() {
         let reach = scene.visibility.of_light(index);
         if !leafs.distinct.iter().any(|l| reach.includes(*l)) {
@@ -93,22 +101,24 @@ pub fn direct_from(
         }
         // Only light of channel 1 is held back by the world.
         let shadowed = light.shadow_mask & 1 != 0;
-        if shadowed && bounds.as_ref().is_none_or(|b| blockers.cover(index, b)) {
+        let Some(whole) = whole.filter(|w| !shadowed || !blockers.cover(index, &w.bounds)) else {
             continue;
-        }
-        rays.suppose(blockers.of(index));
+        };
         let styles = if light.brightness > 0.0 { &mut result.styles } else { &mut result.negative };
         let sums = (styles, &mut result.excess, &mut result.directions);
         let points = (samples, &result.dirt, &leafs.of_samples[..], reach);
-        light_surface(scene, light, (surface, &sphere), points, &mut rays, sums);
-        if let Some(polygon) = rays.blocker().filter(|_| shadowed) {
-            blockers.remember(scene, index, polygon);
+        let receiver = (surface, &sphere);
+        if !send(scene, light, receiver, points, &mut wanted) {
+            continue;
         }
+        let mut beam = Beam { scene, light: index, blockers, rays: &mut rays, tiles: &tiles };
+        beam.trace(whole, samples, &mut wanted);
+        receive(scene, light, samples, &mut wanted, sums);
     }
     for sun in &scene.suns {
         let styles = if sun.brightness > 0.0 { &mut result.styles } else { &mut result.negative };
         let sums = (styles, &mut result.excess, &mut result.directions);
-        sun::light_surface(scene, sun, surface, points, &mut rays, sums);
+        sun::light_surface(scene, sun, surface, points, (&tiles, &mut wanted), &mut rays, sums);
     }
     for light in &scene.radiosity_lights {
         let receiver = (surface, &sphere);
@@ -194,23 +204,74 @@ pub fn at(scene: &Scene, position: Vec3, normal: Vec3) -> Vec<(u16, Irradiance)>
     styles
 }
 
-/// Adds what one light sends to the samples of a surface.
-fn light_surface(
+/// What one light sends to each sample of a surface.
+struct Wanted {
+    /// Colour that arrives if nothing is in the way; `None` where no ray is needed.
+    sent: Vec<Option<Vec3>>,
+    /// What does arrive.
+    arrived: Vec<Option<Arrival>>,
+}
+
+impl Wanted {
+    fn new(samples: usize) -> Self {
+        Self { sent: vec![None; samples], arrived: vec![None; samples] }
+    }
+
+    /// Number of samples of a tile that need a ray.
+    fn rays(&self, members: &[u32]) -> usize {
+        members.iter().filter(|&&i| self.sent[i as usize].is_some()).count()
+    }
+
+    /// One of the samples of a tile that need a ray, from the middle of them.
+    fn one<'m>(&self, members: &'m [u32]) -> &'m [u32] {
+        let needs = |&i: &usize| self.sent[members[i] as usize].is_some();
+        let middle = members.len() / 2;
+        (middle..members.len()).chain(0..middle).find(needs).map_or(&[], |i| &members[i..=i])
+    }
+
+    /// Asks `seen` what arrives of the light that is sent to each of the samples. Whether any
+    /// arrives at the last.
+    fn look(
+        &mut self,
+        members: &[u32],
+        mut seen: impl FnMut(usize, Vec3) -> Option<Arrival>,
+    ) -> bool {
+        let mut arrives = false;
+        for &i in members {
+            let i = i as usize;
+            if let Some(colour) = self.sent[i] {
+                self.arrived[i] = seen(i, colour);
+                arrives = self.arrived[i].is_some();
+            }
+        }
+        arrives
+    }
+
+    /// What arrived, sample by sample; afterwards nothing is wanted any more.
+    fn take(&mut self) -> impl Iterator<Item = (usize, Arrival)> + '_ {
+        self.sent.fill(None);
+        self.arrived.iter_mut().enumerate().filter_map(|(i, a)| a.take().map(|a| (i, a)))
+    }
+}
+
+/// Finds what one light would send to the samples of a surface if nothing were in the way; whether
+/// that is anything.
+fn send(
     scene: &Scene,
     light: &Light,
     (surface, sphere): (&Surface, &BoundingSphere),
     (samples, dirt, leafs, reach): (&[Sample], &FaceDirt, &[Option<u32>], Reach<'_>),
-    rays: &mut LightRays<'_>,
-    (styles, excess, directions): (&mut Vec<StyleLight>, &mut Vec<StyleLight>, &mut Directions),
-) {
+    wanted: &mut Wanted,
+) -> bool {
     let (dist, gate) = (scene.world.dist, scene.world.gate);
     let behind = distance(light.origin, surface.normal, surface.dist) < 0.0;
     if behind && !light.bleed && !surface.two_sided && !surface.curved
         || sphere.is_out_of_reach(light, dist, gate)
         || light.channel_mask & surface.channel_mask == 0
     {
-        return;
+        return false;
     }
+    let mut any = false;
     for (i, sample) in samples.iter().enumerate().filter(|(_, s)| !s.occluded) {
         if !reach.includes(leafs[i]) {
             continue;
@@ -222,19 +283,91 @@ fn light_surface(
         };
         let away = length(light.origin - sample.position);
         let colour = colour * dirt.factor(i, &light.dirt, away);
-        if brightness(colour).abs() <= gate {
-            continue;
+        if brightness(colour).abs() > gate {
+            wanted.sent[i] = Some(colour);
+            any = true;
         }
-        let arrival = rays.between(sample.position, light.origin, light.shadow_mask, colour);
-        if let Some(arrival) = arrival {
-            let style = arrival.style_of(light.style);
-            let way = light.origin - sample.position;
-            directions.add(style, (i, samples.len()), way, arrival.colour);
-            add(styles, style, samples.len(), i, arrival.colour);
-            let share = (1.0 - attenuation::excess(light, dist, away)) * light.bounce_scale;
-            if share != 1.0 {
-                add(excess, style, samples.len(), i, arrival.colour * (1.0 - share));
+    }
+    any
+}
+
+/// The rays from a surface to a light.
+struct Beam<'a, 's> {
+    scene: &'s Scene,
+    light: usize,
+    blockers: &'a mut Blockers,
+    rays: &'a mut LightRays<'s>,
+    tiles: &'a Tiles,
+}
+
+impl Beam<'_, '_> {
+    /// Finds what arrives at the samples of a tile.
+    fn trace(&mut self, tile: &Tile, samples: &[Sample], wanted: &mut Wanted) {
+        let members = self.tiles.members(tile);
+        let count = wanted.rays(members);
+        let light = &self.scene.lights[self.light];
+        let shadowed = light.shadow_mask & 1 != 0;
+        if count == 0 || shadowed && self.blockers.cover(self.light, &tile.bounds) {
+            return;
+        }
+        self.rays.suppose(self.blockers.of(self.light));
+        let lit = count < FEW_RAYS || self.look(wanted.one(members), samples, wanted);
+        if !lit && shadowed {
+            self.remember();
+            if self.blockers.cover(self.light, &tile.bounds) {
+                return;
             }
+        }
+        let many = count >= MANY_RAYS;
+        if many || lit && count >= FEW_RAYS {
+            let floor = self.tiles.floor_with(tile, std::iter::once(light.origin));
+            let narrow = self.rays.towards(&tile.bounds, floor, light.origin, count);
+            let parts = self.tiles.parts(tile);
+            if !narrow && many && !parts.is_empty() {
+                parts.iter().for_each(|part| self.trace(part, samples, wanted));
+                return;
+            }
+        }
+        self.look(members, samples, wanted);
+        self.rays.anywhere();
+        if shadowed {
+            self.remember();
+        }
+    }
+
+    /// Remembers what blocked the last ray that was blocked.
+    fn remember(&mut self) {
+        if let Some(polygon) = self.rays.blocker() {
+            self.blockers.remember(self.scene, self.light, polygon);
+        }
+    }
+
+    /// Traces the rays to some samples; whether light arrives at the last of them.
+    fn look(&mut self, members: &[u32], samples: &[Sample], wanted: &mut Wanted) -> bool {
+        let light = &self.scene.lights[self.light];
+        wanted.look(members, |i, colour| {
+            self.rays.between(samples[i].position, light.origin, light.shadow_mask, colour)
+        })
+    }
+}
+
+/// Adds what arrived of a light to the sums of a surface.
+fn receive(
+    scene: &Scene,
+    light: &Light,
+    samples: &[Sample],
+    wanted: &mut Wanted,
+    (styles, excess, directions): (&mut Vec<StyleLight>, &mut Vec<StyleLight>, &mut Directions),
+) {
+    for (i, arrival) in wanted.take() {
+        let style = arrival.style_of(light.style);
+        let way = light.origin - samples[i].position;
+        directions.add(style, (i, samples.len()), way, arrival.colour);
+        add(styles, style, samples.len(), i, arrival.colour);
+        let share =
+            (1.0 - attenuation::excess(light, scene.world.dist, length(way))) * light.bounce_scale;
+        if share != 1.0 {
+            add(excess, style, samples.len(), i, arrival.colour * (1.0 - share));
         }
     }
 }

@@ -1,6 +1,7 @@
 //! Light of suns and sky domes (contract section 5.3).
 
-use super::{Directions, FaceDirt, StyleLight, add};
+use super::tiles::{Tile, Tiles};
+use super::{Directions, FEW_RAYS, FaceDirt, MANY_RAYS, StyleLight, Wanted, add};
 use crate::scene::exact::{brightness, dot};
 use crate::scene::{Arrival, DirtKeys, LightRays, Sample, Scene, Sun, Surface};
 use glam::Vec3;
@@ -31,11 +32,12 @@ pub(crate) fn seen(
 }
 
 /// Adds what one sun sends to the samples of a surface.
-pub(crate) fn light_surface(
+pub(super) fn light_surface(
     scene: &Scene,
     sun: &Sun,
     surface: &Surface,
     (samples, dirt): (&[Sample], &FaceDirt),
+    (tiles, wanted): (&Tiles, &mut Wanted),
     rays: &mut LightRays<'_>,
     (styles, excess, directions): (&mut Vec<StyleLight>, &mut Vec<StyleLight>, &mut Directions),
 ) {
@@ -46,17 +48,55 @@ pub(crate) fn light_surface(
     let keys = DirtKeys::plain(sun.dirt.unwrap_or(scene.world.dirt.lights));
     for (i, sample) in samples.iter().enumerate().filter(|(_, s)| !s.occluded) {
         let colour = unshadowed(sun, sample.normal, surface.two_sided) * dirt.factor(i, &keys, 0.0);
-        if brightness(colour).abs() <= scene.world.gate {
-            continue;
-        }
-        if let Some(arrival) = seen(scene, sun, sample.position, colour, rays) {
-            let style = arrival.style_of(sun.style);
-            directions.add(style, (i, samples.len()), sun.to_sun, arrival.colour);
-            add(styles, style, samples.len(), i, arrival.colour);
-            if sun.bounce_scale != 1.0 {
-                let unsent = arrival.colour * (1.0 - sun.bounce_scale);
-                add(excess, style, samples.len(), i, unsent);
-            }
+        if brightness(colour).abs() > scene.world.gate {
+            wanted.sent[i] = Some(colour);
         }
     }
+    if let Some(whole) = tiles.whole() {
+        trace(scene, sun, (tiles, whole), samples, wanted, rays);
+    }
+    for (i, arrival) in wanted.take() {
+        let style = arrival.style_of(sun.style);
+        directions.add(style, (i, samples.len()), sun.to_sun, arrival.colour);
+        add(styles, style, samples.len(), i, arrival.colour);
+        if sun.bounce_scale != 1.0 {
+            let unsent = arrival.colour * (1.0 - sun.bounce_scale);
+            add(excess, style, samples.len(), i, unsent);
+        }
+    }
+}
+
+/// Finds what arrives at the samples of a tile.
+fn trace(
+    scene: &Scene,
+    sun: &Sun,
+    (tiles, tile): (&Tiles, &Tile),
+    samples: &[Sample],
+    wanted: &mut Wanted,
+    rays: &mut LightRays<'_>,
+) {
+    let members = tiles.members(tile);
+    let count = wanted.rays(members);
+    if count == 0 {
+        return;
+    }
+    let one = wanted.one(members);
+    let mut look = |members: &[u32], rays: &mut LightRays<'_>| {
+        wanted.look(members, |i, colour| seen(scene, sun, samples[i].position, colour, rays))
+    };
+    if count >= FEW_RAYS && (count >= MANY_RAYS || look(one, rays)) {
+        let floor = tiles.floor_along(tile, sun.to_sun);
+        let narrow = rays.to_sky(&tile.bounds, floor, sun.to_sun, count);
+        let parts = tiles.parts(tile);
+        if !narrow && count >= MANY_RAYS && !parts.is_empty() {
+            for part in parts {
+                trace(scene, sun, (tiles, part), samples, wanted, rays);
+            }
+            return;
+        }
+    }
+    if !rays.sees_no_sky() {
+        look(members, rays);
+    }
+    rays.anywhere();
 }

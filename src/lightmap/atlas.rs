@@ -1,8 +1,10 @@
 //! Pictures of lightmaps: one PNG a light style, and a table of where each face is.
 
 use super::{FinishedFace, FinishedStyle};
+use crate::light::StyleLight;
 use crate::{Error, Result, output};
 use etagere::{AtlasAllocator, size2};
+use glam::Vec3;
 use image::{Rgb, RgbImage};
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -19,6 +21,22 @@ const GAP: u32 = 1;
 /// When the folder or a file cannot be written.
 pub fn dump(folder: &Path, faces: &[FinishedFace], sizes: &[[u32; 2]]) -> Result<Vec<PathBuf>> {
     std::fs::create_dir_all(folder).map_err(Error::io("make folder", folder))?;
+    let (pictures, index) = atlases(faces, sizes);
+    let mut written = Vec::new();
+    for (style, picture) in &pictures {
+        let path = folder.join(format!("style_{style}.png"));
+        output::write_png(&path, picture)?;
+        written.push(path);
+    }
+    let path = folder.join("index.csv");
+    output::write(&path, index.as_bytes())?;
+    written.push(path);
+    Ok(written)
+}
+
+/// The lightmaps as pictures, one a style, and a table of where each face is in them: the lines of
+/// `index.csv` that [`dump`] writes. `sizes` holds width and height of each face's lightmap.
+pub fn atlases(faces: &[FinishedFace], sizes: &[[u32; 2]]) -> (Vec<(u16, RgbImage)>, String) {
     let mut styles: BTreeMap<u16, Vec<(usize, &FinishedStyle)>> = BTreeMap::new();
     for (face, finished) in faces.iter().enumerate() {
         for map in &finished.styles {
@@ -26,8 +44,7 @@ pub fn dump(folder: &Path, faces: &[FinishedFace], sizes: &[[u32; 2]]) -> Result
         }
     }
     let mut index = String::from("face,style,x,y,width,height\n");
-    let mut written = Vec::new();
-    for (style, maps) in &styles {
+    let picture = |(style, maps): (u16, Vec<(usize, &FinishedStyle)>)| {
         let rects: Vec<[u32; 2]> = maps.iter().map(|&(face, _)| sizes[face]).collect();
         let (places, size) = arrange(&rects);
         let mut picture = RgbImage::new(size[0], size[1]);
@@ -37,14 +54,24 @@ pub fn dump(folder: &Path, faces: &[FinishedFace], sizes: &[[u32; 2]]) -> Result
             }
             let _ = writeln!(index, "{face},{style},{x},{y},{w},{h}");
         }
-        let path = folder.join(format!("style_{style}.png"));
-        output::write_png(&path, &picture)?;
-        written.push(path);
+        (style, picture)
+    };
+    (styles.into_iter().map(picture).collect(), index)
+}
+
+/// Light at the luxels of each face, all styles added up, as a picture: levels as bright as they are
+/// stored, four times over, since bounced light is dim. Faces have the same place for the same `sizes`.
+pub fn atlas_of_light(maps: &[Vec<StyleLight>], sizes: &[[u32; 2]]) -> RgbImage {
+    let (places, size) = arrange(sizes);
+    let mut picture = RgbImage::new(size[0], size[1]);
+    for ((maps, &[w, h]), [x, y]) in maps.iter().zip(sizes).zip(places) {
+        for i in 0..w * h {
+            let light: Vec3 = maps.iter().map(|m| m.irradiance[i as usize].0).sum();
+            let level = (light * 2.0).to_array().map(|v| v as u8);
+            picture.put_pixel(x + i % w, y + i / w, Rgb(level));
+        }
     }
-    let path = folder.join("index.csv");
-    output::write(&path, index.as_bytes())?;
-    written.push(path);
-    Ok(written)
+    picture
 }
 
 /// Places rectangles in a picture of about square shape; returns their corners and its size.

@@ -75,7 +75,7 @@ pub fn indirect(
         })
         .collect();
     let size = settings.hemicube;
-    let drawn = Drawn { sources, delta: DeltaFormFactors::new(size), size };
+    let drawn = Drawn::new(sources, size);
     let mut hemicubes = 0;
     if settings.gather == Gather::Interpolate {
         let mut known = known_patches(sources, settings.error);
@@ -159,7 +159,7 @@ impl Face<'_> {
     }
 }
 
-/// The patches as known points.
+/// The patches as known points. Those that the edge of a face cuts off stand as far apart as whole ones.
 fn known_patches(sources: Sources<'_>, error: f64) -> Interpolator {
     let mut known = Interpolator::new(sources.light.len(), error);
     let leaders = sources.patches.leaders();
@@ -168,7 +168,8 @@ fn known_patches(sources: Sources<'_>, error: f64) -> Interpolator {
             continue;
         }
         let openness = sources.transfers.openness(i);
-        let point = Known::new(patch.eye, patch.normal, openness, patch.area.sqrt());
+        let apart = sources.patches.spacing[sources.patches.surface[i] as usize];
+        let point = Known::new(patch.eye, patch.normal, openness, apart);
         known.add(point, sources.light.iter().map(|l| l.irradiance[i].0.as_dvec3()));
     }
     known
@@ -195,13 +196,23 @@ fn interpolate(sources: Sources<'_>, known: &Interpolator, faces: &mut [Face<'_>
 }
 
 /// What drawing hemicubes at luxels needs.
-struct Drawn<'a> {
+pub(super) struct Drawn<'a> {
     sources: Sources<'a>,
     delta: DeltaFormFactors,
     size: HemicubeSize,
 }
 
-impl Drawn<'_> {
+impl<'a> Drawn<'a> {
+    /// For hemicubes of a size.
+    pub fn new(sources: Sources<'a>, size: HemicubeSize) -> Self {
+        Self { sources, delta: DeltaFormFactors::new(size), size }
+    }
+
+    /// Form factors of the cells.
+    pub fn delta(&self) -> &DeltaFormFactors {
+        &self.delta
+    }
+
     /// Draws a hemicube at every luxel that still needs light and is `wanted`; adds
     /// them to `known`. Returns how many.
     fn fill(
@@ -244,7 +255,7 @@ impl Drawn<'_> {
 
     /// What arrives at `view` in each style: of far patches their mean light, of near ones that of each
     /// luxel interval.
-    fn arriving(&self, gatherer: &mut Gatherer<'_>, view: &View) -> Vec<DVec3> {
+    pub fn arriving(&self, gatherer: &mut Gatherer<'_>, view: &View) -> Vec<DVec3> {
         let Sources { patches, light, .. } = self.sources;
         let mut sums = vec![DVec3::ZERO; light.len()];
         // Cells beyond this depth are too wide to tell intervals apart.
@@ -278,7 +289,7 @@ impl Drawn<'_> {
 
 /// Seed of the turn of a luxel's hemicube. It follows from the place, so that luxels of two faces in
 /// one place get the same light.
-fn seed(position: Vec3) -> u64 {
+pub(super) fn seed(position: Vec3) -> u64 {
     (position * 8.0).round().to_array().iter().fold(0, |seed: u64, &x| {
         (seed ^ u64::from((x as i32).cast_unsigned())).wrapping_mul(0x9E37_79B9_7F4A_7C15)
     })

@@ -19,6 +19,9 @@ const GAP: f32 = 8.0;
 /// How much a difference of normals counts: this times sqrt(1 - cosine) is added to the distance,
 /// relative to the reach.
 const BEND: f32 = 3.0;
+/// How much more an offset along the normals counts than one across them: the linear function knows
+/// only the latter.
+const RAISED: f32 = 8.0;
 /// Weight that the points seen must have together: one in the middle, or several around.
 const ENOUGH: f64 = 0.4;
 /// Holds the gradient back where points do not determine it, relative to the weights.
@@ -168,7 +171,10 @@ fn weight(point: &Known, here: Vec3, offset: Vec3) -> f64 {
         return 0.0;
     }
     let bend = BEND * (1.0 - here.dot(point.normal)).max(0.0).sqrt();
-    let error = offset.length() / point.reach + bend;
+    // Between two points of a round wall the mean of their normals is across the offset.
+    let raised = offset.dot((here + point.normal).normalize_or_zero());
+    let squared = offset.length_squared() + (RAISED * RAISED - 1.0) * raised * raised;
+    let error = squared.sqrt() / point.reach + bend;
     if error >= 1.0 { 0.0 } else { f64::from((1.0 - error * error).powi(2)) }
 }
 

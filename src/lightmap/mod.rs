@@ -10,9 +10,10 @@ mod interpolate;
 mod light_grid;
 mod pack;
 mod probes;
+mod refine;
 mod vanilla;
 
-pub use atlas::dump;
+pub use atlas::{atlas_of_light, atlases, dump};
 pub use debug::{DebugSources, DebugView, debug_faces};
 pub use directions::add_bounced_directions;
 pub use faces::finish_faces;
@@ -23,4 +24,5 @@ pub use indirect::{Gather, GatherSettings, Sources, indirect};
 pub use light_grid::{GridSources, light_grid};
 pub use pack::{Block, Packed, Vanilla, hdr_colour, pack};
 pub use probes::probes;
+pub use refine::refine;
 pub use vanilla::vanilla_copies;

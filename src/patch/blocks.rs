@@ -37,6 +37,8 @@ pub(super) struct FaceBlocks {
     blocks: Vec<Block>,
     /// Corner weights of each luxel interval.
     intervals: Vec<[f32; 4]>,
+    /// Luxel intervals along a whole block.
+    size: u32,
 }
 
 impl FaceBlocks {
@@ -62,6 +64,7 @@ impl FaceBlocks {
                 first_interval: 0,
             },
             blocks: (0..cells).map(|cell| Block { cell, ..Block::default() }).collect(),
+            size,
         };
         let outline: Vec<DVec2> =
             surface.vertices.iter().map(|&v| luxels.luxel_of(v).as_dvec2()).collect();
@@ -150,6 +153,11 @@ impl FaceBlocks {
         for block in &mut self.blocks {
             settle(&mut block.luxels);
         }
+    }
+
+    /// Luxel intervals along a block that the face does not end in, at most.
+    pub fn size(&self) -> u32 {
+        self.size
     }
 
     /// Corner weights of each luxel interval; none where an obstacle cuts it.

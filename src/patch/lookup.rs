@@ -58,6 +58,23 @@ impl PatchGrid {
     /// Stands for the patch of blocks that have several.
     pub const DIVIDED: PatchId = PatchId(u32::MAX);
 
+    /// Tells all that the grid depends on, as words.
+    fn words(&self, word: &mut impl FnMut(u32)) {
+        let sizes = [self.block_column.len(), self.block_row.len(), self.blocks.len()];
+        let sizes = sizes.into_iter().chain([self.columns, self.pieces.len()]);
+        [2, self.first_interval].into_iter().for_each(&mut *word);
+        sizes.for_each(|size| word(size as u32));
+        let rows = [self.s_row, self.t_row];
+        rows.iter().flat_map(Vec4::to_array).for_each(|v| word(v.to_bits()));
+        let blocks = self.block_column.iter().chain(&self.block_row);
+        blocks.for_each(|&block| word(block.into()));
+        self.blocks.iter().for_each(|patch| word(patch.0));
+        for Piece { interval, line, patches } in &self.pieces {
+            let line = line.to_array().map(f32::to_bits);
+            [*interval, patches[0].0, patches[1].0].into_iter().chain(line).for_each(&mut *word);
+        }
+    }
+
     /// The patch at luxel coordinates; points outside (by rounding) belong to the nearest block.
     pub fn at(&self, s: f32, t: f32) -> PatchId {
         self.of_interval(self.column_and_row(s, t), [s, t])
@@ -106,6 +123,17 @@ impl PatchLookup {
     /// A lookup with one entry for each polygon of the tracer.
     pub fn new(polygons: Vec<PolygonPatches>) -> Self {
         Self { polygons }
+    }
+
+    /// Tells all that the lookup depends on, as words.
+    pub fn words(&self, word: &mut impl FnMut(u32)) {
+        for polygon in &self.polygons {
+            match polygon {
+                PolygonPatches::None => word(0),
+                PolygonPatches::Whole(patch) => [1, patch.0].into_iter().for_each(&mut *word),
+                PolygonPatches::Grid(grid) => grid.words(word),
+            }
+        }
     }
 
     /// The patches of a polygon of the tracer.

@@ -24,6 +24,8 @@ pub struct MapPatches {
     /// Luxels that make up each patch and their weights, which sum to 1; empty when all luxels of
     /// the patch are inside solid.
     pub luxels: Vec<Vec<(u32, f32)>>,
+    /// How far apart the middles of whole patches are on each surface, in world units; 0 without patches.
+    pub spacing: Vec<f32>,
     /// First patch of each surface, and one more entry: surface i has `first[i]..first[i + 1]`.
     pub first: Vec<u32>,
     /// Their luxel intervals.
@@ -58,6 +60,7 @@ impl MapPatches {
         for (index, face) in faces.into_iter().enumerate() {
             patches.first.push(patches.surface.len() as u32);
             patches.intervals.next_surface();
+            patches.spacing.push(0.0);
             grids.push(face.map(|face| patches.add_face(scene, samples, index, face)));
         }
         patches.first.push(patches.surface.len() as u32);
@@ -98,6 +101,7 @@ impl MapPatches {
         let surface = &scene.surfaces[index];
         let luxels = surface.luxels.as_ref().expect("only faces with luxels are cut");
         let unit = f64::from(luxels.s_step.cross(luxels.t_step).length());
+        self.spacing[index] = face.size() as f32 * unit.sqrt() as f32;
         let first_interval = self.intervals.add(luxels.width, face.intervals().iter().copied());
         let (mut grid, blocks) = face.into_patches(self.surface.len() as u32);
         grid.first_interval = first_interval;

@@ -1,5 +1,8 @@
 //! Sparse rows of form factors: which share of a patch's view each other patch fills.
 
+mod bytes;
+mod estimate;
+
 use super::hemicube::{Cells, DeltaFormFactors, HemicubeSize, ItemBuffer, View};
 use super::near_pairs::NearPairs;
 use super::overlay_view::{self, OverlayView, Shown};
@@ -21,6 +24,7 @@ pub struct Transfers {
     chunks: Vec<Chunk>,
     /// Where the row of each patch is: chunk times [`CHUNK`], and place in the chunk.
     row_of: Vec<u32>,
+    drawn: u64,
 }
 
 #[derive(Default)]
@@ -59,7 +63,7 @@ impl Transfers {
         advance: impl Fn(u64) + Sync,
     ) -> Self {
         let all: Vec<u32> = (0..patches.patches.len() as u32).collect();
-        let mut transfers = Self { chunks: Vec::new(), row_of: vec![0; all.len()] };
+        let mut transfers = Self { row_of: vec![0; all.len()], ..Self::default() };
         transfers.draw(tracer, patches, size, &all, advance);
         transfers
     }
@@ -77,7 +81,7 @@ impl Transfers {
     ) -> Self {
         let all = 0..leaders.len() as u32;
         let (first, rest): (Vec<u32>, Vec<u32>) = all.partition(|&i| leaders[i as usize] == i);
-        let mut transfers = Self { chunks: Vec::new(), row_of: vec![0; leaders.len()] };
+        let mut transfers = Self { row_of: vec![0; leaders.len()], ..Self::default() };
         transfers.draw(tracer, patches, size, &first, &advance);
         let alone: Vec<u32> = rest
             .par_iter()
@@ -114,6 +118,7 @@ impl Transfers {
         for (k, &i) in members.iter().enumerate() {
             self.row_of[i as usize] = (before + k) as u32;
         }
+        self.drawn += members.len() as u64;
         let delta = DeltaFormFactors::new(size);
         self.chunks.par_extend(members.par_chunks(CHUNK).map_init(
             || Gatherer::new(tracer, patches, &delta, size),
@@ -184,6 +189,11 @@ impl Transfers {
         self.chunks.iter().map(|c| c.ends.len()).sum()
     }
 
+    /// Number of hemicubes drawn for them: none where they come from bytes.
+    pub fn drawn(&self) -> u64 {
+        self.drawn
+    }
+
     /// Number of form factors stored.
     pub fn len(&self) -> usize {
         self.chunks.iter().map(|c| c.weights.len()).sum()
@@ -217,6 +227,15 @@ impl Transfers {
         for chunk in &mut self.chunks {
             chunk.overlay = rows.by_ref().take(chunk.ends.len()).collect();
         }
+    }
+
+    /// Damage for tests: patch `row` sees nothing.
+    #[cfg(test)]
+    pub(crate) fn clear_row(&mut self, row: usize) {
+        let at = self.row_of[row] as usize;
+        let (chunk, i) = (&mut self.chunks[at / CHUNK], at % CHUNK);
+        let from = if i == 0 { 0 } else { chunk.ends[i - 1] as usize };
+        chunk.weights[from..chunk.ends[i] as usize].fill(0.0);
     }
 
     /// Harmonic mean distance to what patch `row` sees, see [`Gatherer::openness`].

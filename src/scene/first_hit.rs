@@ -1,6 +1,7 @@
 //! The first polygon that a ray meets, with the care for edges that [`super::shadow`] describes: a
 //! ray through the seam of two polygons meets one of them.
 
+use super::narrow::Narrow;
 use super::shadow::{Contact, ShadowRays, corners, meet};
 use super::tie;
 use super::tracer::Hit;
@@ -34,9 +35,17 @@ impl ShadowRays<'_> {
 
     fn first(&mut self, from: Vec3, direction: Vec3, reach: f32, tight: bool) -> Option<Hit> {
         self.rays += 1;
+        if !tight && self.narrow.is_empty() {
+            return None;
+        }
         let (start, way) = (from.as_dvec3(), direction.as_dvec3() * f64::from(reach));
         let mut meetings = self.meetings(start, way, tight);
         self.last_first = meetings.inside.map(|m| m.1);
+        let hit =
+            |(t, polygon): (f64, u32)| Hit { polygon, distance: (t * f64::from(reach)) as f32 };
+        if meetings.edges.is_empty() {
+            return meetings.inside.map(hit);
+        }
         meetings.edges.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         let edges = &meetings.edges;
         let corners = |polygon| self.corners(polygon);
@@ -52,14 +61,15 @@ impl ShadowRays<'_> {
             .and_then(|place| edges.iter().copied().find(|e| e.0 >= place))
             .or(tied)
             .or(meetings.inside);
-        first.map(|(t, polygon)| Hit { polygon, distance: (t * f64::from(reach)) as f32 })
+        first.map(hit)
     }
 
     /// Inner diagonals count as inside if `tight`, and else as edges.
     fn meetings(&mut self, start: DVec3, way: DVec3, tight: bool) -> Meetings {
         let mut found = Meetings { inside: None, edges: Vec::new() };
         // What was met last is likely to be met again and then bounds the search.
-        if let Some(last) = self.last_first {
+        let narrow = if tight { &Narrow::default() } else { &self.narrow };
+        if let Some(last) = self.last_first.filter(|_| !narrow.is_on()) {
             let (contact, t) = meet(self.corners(last), start, way);
             if contact == Contact::Inside {
                 found.inside = Some((t, last));
@@ -68,7 +78,7 @@ impl ShadowRays<'_> {
         let tracer = self.tracer;
         let limit = |m: Option<(f64, u32)>| m.map_or(1.0, |m| m.0 as f32 * (1.0 + f32::EPSILON));
         let (start32, way32, at_most) = (start.as_vec3(), way.as_vec3(), limit(found.inside));
-        tracer.wide().walk(start32, way32, at_most, &mut self.stack, |polygon, _| {
+        narrow.walk(tracer.wide(), (start32, way32), at_most, &mut self.stack, |polygon, _| {
             match meet(corners(tracer, polygon), start, way) {
                 (Contact::None, _) => {}
                 (Contact::Edge, t) => found.edges.push((t, polygon)),

@@ -4,10 +4,22 @@
 use super::Scene;
 use super::exact::length;
 use super::filter::{Effect, Ray};
+use super::narrow::{Limits, Narrow};
 use super::shadow::{Contact, ShadowRays};
+use super::shaft::{Floor, Shaft};
 use super::sky_rays::View;
 use super::tie;
+use super::umbra::Bounds;
 use glam::Vec3;
+
+/// Length of rays to the sky, in world units.
+const SKY_DISTANCE: f32 = 1_000_000.0;
+/// Most triangles in the way of the rays of a shaft.
+const MOST_BLOCKERS: usize = 32;
+/// Steps that finding them may take for each ray that is then quicker.
+const STEPS_A_RAY: usize = 4;
+/// Most triangles around the samples of a tile.
+const MOST_NEAR: usize = 1024;
 
 /// Light that gets through.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -31,6 +43,9 @@ pub struct LightRays<'a> {
     opaque: ShadowRays<'a>,
     filters: ShadowRays<'a>,
     receiver: Option<u32>,
+    /// What rays of dirt may meet.
+    near: Narrow,
+    near_filters: Narrow,
     /// Filters that the last ray crosses: where, which and how.
     crossed: Vec<(f64, u32, Contact)>,
 }
@@ -52,6 +67,8 @@ impl<'a> LightRays<'a> {
             opaque: ShadowRays::new(&scene.tracer),
             filters: ShadowRays::new(scene.filters.tracer()),
             receiver,
+            near: Narrow::default(),
+            near_filters: Narrow::default(),
             crossed: Vec::new(),
         }
     }
@@ -70,6 +87,82 @@ impl<'a> LightRays<'a> {
     /// The polygon that blocked the last ray between two points that was blocked.
     pub fn blocker(&self) -> Option<u32> {
         self.opaque.last_blocker
+    }
+
+    /// Rays between two points run from `from` to `light` from now on, in front of `floor`, and are
+    /// quick. Where too much is in the way for that number of rays to gain by it, they run anywhere,
+    /// and the answer is false.
+    pub(crate) fn towards(
+        &mut self,
+        from: &Bounds,
+        floor: Floor,
+        light: Vec3,
+        rays: usize,
+    ) -> bool {
+        let Some(light) = Bounds::around(std::iter::once(light)) else { return false };
+        let shaft = Shaft::new(from, &light, Some(floor));
+        let (opaque, filters) = (self.opaque.tracer.wide(), self.filters.tracer.wide());
+        let limits = Limits { triangles: MOST_BLOCKERS, steps: STEPS_A_RAY * rays };
+        let entered = self.opaque.narrow.enter(opaque, &shaft, limits, |_| true)
+            && self.filters.narrow.enter(filters, &shaft, limits, |_| true);
+        if !entered {
+            self.anywhere();
+        }
+        entered
+    }
+
+    /// Rays to the sky run from `from` in the unit direction `direction` from now on, as
+    /// [`Self::towards`] says.
+    pub(crate) fn to_sky(
+        &mut self,
+        from: &Bounds,
+        floor: Option<Floor>,
+        direction: Vec3,
+        rays: usize,
+    ) -> bool {
+        let far = from.moved(direction.as_dvec3() * f64::from(SKY_DISTANCE));
+        let shaft = Shaft::new(from, &far, floor);
+        let (opaque, filters) = (self.opaque.tracer.wide(), self.filters.tracer.wide());
+        let limits = Limits { triangles: MOST_BLOCKERS, steps: STEPS_A_RAY * rays };
+        let sky = &self.scene.sky;
+        let entered = self.opaque.narrow_sky.enter(sky.tracer.wide(), &shaft, limits, |_| true)
+            && (self.opaque.narrow_sky.is_empty()
+                || self.opaque.narrow.enter(opaque, &shaft, limits, |p| !sky.is_sky[p as usize])
+                    && self.filters.narrow.enter(filters, &shaft, limits, |_| true));
+        if !entered {
+            self.anywhere();
+        }
+        entered
+    }
+
+    /// Rays of dirt run from `from` to `to` in front of `floor` from the next call of
+    /// [`Self::within`] on. The answer is false where too many polygons are there.
+    pub(crate) fn around(&mut self, from: &Bounds, to: &Bounds, floor: Floor) -> bool {
+        let shaft = Shaft::new(from, to, Some(floor));
+        let (opaque, filters) = (self.opaque.tracer.wide(), self.filters.tracer.wide());
+        let limits = Limits { triangles: MOST_NEAR, steps: usize::MAX };
+        self.near.enter(opaque, &shaft, limits, |_| true)
+            && self.near_filters.enter(filters, &shaft, limits, |_| true)
+    }
+
+    /// Of the rays that [`Self::around`] speaks of, only those to `to` are asked for from now on.
+    pub(crate) fn within(&mut self, from: &Bounds, to: &Bounds, floor: Floor) {
+        let shaft = Shaft::new(from, to, Some(floor));
+        self.opaque.narrow.enter_part(&self.near, &shaft);
+        self.filters.narrow.enter_part(&self.near_filters, &shaft);
+    }
+
+    /// Whether no ray of [`Self::to_sky`] gets to the sky.
+    pub(crate) fn sees_no_sky(&self) -> bool {
+        self.opaque.narrow_sky.is_empty()
+    }
+
+    /// Rays run anywhere.
+    pub(crate) fn anywhere(&mut self) {
+        for rays in [&mut self.opaque, &mut self.filters] {
+            rays.narrow.leave();
+            rays.narrow_sky.leave();
+        }
     }
 
     /// What arrives at `at` of light of `colour` that sets out from `light` in the channels `mask`;
@@ -92,8 +185,6 @@ impl<'a> LightRays<'a> {
     /// What arrives at `at` of light of `colour` from far away in the unit direction `direction`,
     /// and through which sky surface; `None` if the first thing on the way is no sky.
     pub fn from_sky(&mut self, at: Vec3, direction: Vec3, colour: Vec3) -> Option<(u32, Arrival)> {
-        /// Length of the rays, in world units.
-        const SKY_DISTANCE: f32 = 1_000_000.0;
         let hit = match self.opaque.view(&self.scene.sky, at, direction, SKY_DISTANCE) {
             View::Sky(hit) => hit,
             View::NoSky => return None,
@@ -124,7 +215,7 @@ impl<'a> LightRays<'a> {
             self.scene.surfaces[surface as usize].role == super::Role::Sky
         });
         let open = if is_sky { reach } else { end };
-        if !self.scene.has_filters() {
+        if !self.scene.has_filters() || self.filters.narrow.is_empty() {
             return open;
         }
         let mut crossed = std::mem::take(&mut self.crossed);
@@ -143,6 +234,9 @@ impl<'a> LightRays<'a> {
     /// What the filters on a way leave of light, in order along it.
     fn filtered(&mut self, way: Way, mask: i32, colour: Vec3) -> Option<Arrival> {
         let mut arrival = Arrival { colour, style: None };
+        if self.filters.narrow.is_empty() {
+            return Some(arrival);
+        }
         let mut crossed = std::mem::take(&mut self.crossed);
         self.find_crossed(way, &mut crossed);
         let mut passes = true;

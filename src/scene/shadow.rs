@@ -5,6 +5,7 @@
 //! the seam of two faces and is blocked too. Otherwise it touches the rim of a solid, where either
 //! answer is right, and [`tie`] gives the reference's.
 
+use super::narrow::Narrow;
 use super::tie;
 use super::tracer::Tracer;
 use super::wide_tree::Child;
@@ -31,6 +32,10 @@ pub struct ShadowRays<'a> {
     pub(super) last_blocker: Option<u32>,
     pub(super) last_first: Option<u32>,
     pub(super) last_before_sky: Option<u32>,
+    /// Where polygons are looked for; neighbours of a ray look everywhere.
+    pub(super) narrow: Narrow,
+    /// The same for the sky.
+    pub(super) narrow_sky: Narrow,
     /// Room for the walk through the tree.
     pub(super) stack: Vec<(f32, Child)>,
     /// Where the last ray met polygons at an edge, and which.
@@ -63,6 +68,8 @@ impl<'a> ShadowRays<'a> {
             last_blocker: None,
             last_first: None,
             last_before_sky: None,
+            narrow: Narrow::default(),
+            narrow_sky: Narrow::default(),
             stack: Vec::new(),
             touched: Vec::new(),
             rays: 0,
@@ -78,11 +85,16 @@ impl<'a> ShadowRays<'a> {
     /// through `to` itself blocks, one through `from` does not.
     pub fn blocked(&mut self, from: Vec3, to: Vec3) -> bool {
         self.rays += 1;
+        if self.narrow.is_empty() {
+            return false;
+        }
         let (start, way) = (from.as_dvec3(), to.as_dvec3() - from.as_dvec3());
-        if let Some(last) = self.last_blocker
-            && meet(self.corners(last), start, way).0.is_inside()
-        {
-            return true;
+        if let Some(last) = self.last_blocker.filter(|_| !self.narrow.is_on()) {
+            let ray = (from, way.as_vec3());
+            if let Some(met) = self.tracer.wide().met_beside(last, ray, 1.0, |_| true) {
+                self.last_blocker = Some(met);
+                return true;
+            }
         }
         match self.contact(start, way) {
             Contact::None => false,
@@ -114,7 +126,7 @@ impl<'a> ShadowRays<'a> {
         let reach = places.iter().copied().fold(0.0, f64::max) + near;
         let mut found = Vec::new();
         for side in [a, -a, b, -b] {
-            self.crossings(start + side * BESIDE, way * reach, &mut found);
+            self.crossings_beside(start + side * BESIDE, way * reach, &mut found);
             places.retain(|p| found.iter().any(|m| (m.0 * reach - p).abs() <= near));
             if places.is_empty() {
                 return None;
@@ -130,9 +142,26 @@ impl<'a> ShadowRays<'a> {
         way: DVec3,
         found: &mut Vec<(f64, u32, Contact)>,
     ) {
+        let narrow = std::mem::take(&mut self.narrow);
+        self.find_crossings(&narrow, (start, way), found);
+        self.narrow = narrow;
+    }
+
+    /// The same of a neighbour of a ray.
+    fn crossings_beside(&mut self, start: DVec3, way: DVec3, found: &mut Vec<(f64, u32, Contact)>) {
+        self.find_crossings(&Narrow::default(), (start, way), found);
+    }
+
+    fn find_crossings(
+        &mut self,
+        narrow: &Narrow,
+        (start, way): (DVec3, DVec3),
+        found: &mut Vec<(f64, u32, Contact)>,
+    ) {
         found.clear();
         let tracer = self.tracer;
-        tracer.wide().walk(start.as_vec3(), way.as_vec3(), 1.0, &mut self.stack, |polygon, _| {
+        let ray = (start.as_vec3(), way.as_vec3());
+        narrow.walk(tracer.wide(), ray, 1.0, &mut self.stack, |polygon, _| {
             let (contact, t) = meet(corners(tracer, polygon), start, way);
             if contact != Contact::None {
                 found.push((t, polygon, contact));
@@ -150,9 +179,9 @@ impl<'a> ShadowRays<'a> {
         let mut best = Contact::None;
         let (tracer, touched) = (self.tracer, &mut self.touched);
         touched.clear();
-        tracer.wide().walk(
-            start.as_vec3(),
-            way.as_vec3(),
+        self.narrow.walk(
+            tracer.wide(),
+            (start.as_vec3(), way.as_vec3()),
             1.0,
             &mut self.stack,
             |polygon, surely| {

@@ -7,11 +7,11 @@ use glam::Vec3;
 
 /// The sky polygons of a scene.
 pub struct Sky {
-    tracer: Tracer,
+    pub(super) tracer: Tracer,
     /// Index in the scene's tracer of each polygon of `tracer`.
     polygons: Vec<u32>,
     /// Whether each polygon of the scene's tracer is sky.
-    is_sky: Vec<bool>,
+    pub(super) is_sky: Vec<bool>,
 }
 
 impl Sky {
@@ -44,11 +44,15 @@ impl ShadowRays<'_> {
     }
 
     fn quick_view(&mut self, sky: &Sky, from: Vec3, direction: Vec3, reach: f32) -> View {
+        if self.narrow_sky.is_empty() {
+            return View::NoSky;
+        }
         let (start, way) = (from.as_dvec3(), direction.as_dvec3() * f64::from(reach));
         let (start32, way32) = (start.as_vec3(), way.as_vec3());
         let mut unsure = false;
         let mut nearest: Option<(f64, u32)> = None;
-        sky.tracer.wide().walk(start32, way32, 1.0, &mut self.stack, |polygon, _| {
+        let ray = (start32, way32);
+        self.narrow_sky.walk(sky.tracer.wide(), ray, 1.0, &mut self.stack, |polygon, _| {
             let (contact, t) = meet(corners(&sky.tracer, polygon), start, way);
             match contact {
                 Contact::None => {}
@@ -66,15 +70,16 @@ impl ShadowRays<'_> {
             return View::Unsure;
         }
         let Some((t, polygon)) = nearest else { return View::NoSky };
-        if let Some(last) = self.last_before_sky {
-            let (contact, before) = meet(self.corners(last), start, way);
-            if contact.is_inside() && before < t {
+        let limit = t as f32 * (1.0 + f32::EPSILON);
+        if let Some(last) = self.last_before_sky.filter(|_| !self.narrow.is_on()) {
+            let wide = self.tracer.wide();
+            if let Some(met) = wide.met_beside(last, ray, limit, |p| !sky.is_sky[p as usize]) {
+                self.last_before_sky = Some(met);
                 return View::NoSky;
             }
         }
         let (tracer, mut blocker) = (self.tracer, None);
-        let limit = t as f32 * (1.0 + f32::EPSILON);
-        tracer.wide().walk(start32, way32, limit, &mut self.stack, |other, surely| {
+        self.narrow.walk(tracer.wide(), ray, limit, &mut self.stack, |other, surely| {
             if sky.is_sky[other as usize] {
                 return limit;
             }

@@ -23,6 +23,37 @@ impl Bounds {
         let (min, max) = (min.as_dvec3(), max.as_dvec3());
         Some(Self { middle: (min + max) * 0.5, half: (max - min) * 0.5 })
     }
+
+    /// The box of all places at which its points are after a move by `way`.
+    pub fn moved(&self, way: DVec3) -> Self {
+        Self { middle: self.middle + way, half: self.half }
+    }
+
+    /// The box around this one and another.
+    pub fn with(&self, other: &Self) -> Self {
+        let (low, high) = (self.low().min(other.low()), self.high().max(other.high()));
+        Self { middle: (low + high) * 0.5, half: (high - low) * 0.5 }
+    }
+
+    /// Middle.
+    pub(super) fn middle(&self) -> DVec3 {
+        self.middle
+    }
+
+    /// Half the size.
+    pub(super) fn half(&self) -> DVec3 {
+        self.half
+    }
+
+    /// Corner of the least coordinates.
+    pub(super) fn low(&self) -> DVec3 {
+        self.middle - self.half
+    }
+
+    /// Corner of the greatest coordinates.
+    pub(super) fn high(&self) -> DVec3 {
+        self.middle + self.half
+    }
 }
 
 /// The space behind a polygon as seen from a light.

@@ -2,17 +2,11 @@
 //! single precision. It finds what a ray may meet, quickly; [`super::shadow::meet`] then decides in
 //! double precision where rounding could matter.
 
+use super::packet::{NOTHING, Packet, WideRay};
+use super::shaft::Shaft;
 use super::tracer::Node;
 use glam::Vec3;
-use wide::{CmpGt, CmpLe, CmpLt, f32x4};
-
-/// Bound of the rounding of the triangle test, relative to the product of the lengths that go into
-/// it: each sum of products has fewer than 16 roundings.
-const ROUNDING: f32 = 16.0 * f32::EPSILON;
-/// Relative barycentric distance to an edge within which a ray counts as on the edge, widened.
-const NEAR_EDGE: f32 = 2e-6;
-/// Marks the lanes of a packet that hold no triangle.
-const NOTHING: u32 = u32::MAX;
+use wide::{CmpLe, f32x4};
 
 /// The tree.
 #[derive(Default)]
@@ -20,6 +14,8 @@ pub(super) struct WideTree {
     nodes: Vec<WideNode>,
     packets: Vec<Packet>,
     root: Option<Child>,
+    /// The run of packets that each polygon is in.
+    homes: Vec<Child>,
 }
 
 /// Boxes of up to four children; those of absent children are empty.
@@ -34,44 +30,6 @@ struct WideNode {
 pub(super) struct Child {
     first: u32,
     packets: u32,
-}
-
-/// Four triangles.
-struct Packet {
-    corner: [f32x4; 3],
-    ab: [f32x4; 3],
-    ac: [f32x4; 3],
-    /// Length of the longer of the two edges, in the 1-norm.
-    size: f32x4,
-    /// That and the 1-norm of the corner.
-    extent: f32x4,
-    polygons: [u32; 4],
-}
-
-/// A ray prepared for the tests: the points `start + t way`, 0 < t <= 1.
-struct WideRay {
-    start: [f32x4; 3],
-    way: [f32x4; 3],
-    inverse: [f32x4; 3],
-    backwards: [bool; 3],
-    /// 1-norms of `start` and `way`.
-    place: f32x4,
-    length: f32x4,
-}
-
-impl WideRay {
-    fn new(start: Vec3, way: Vec3) -> Self {
-        // A component of zero gets a huge finite inverse, so that no product is 0 times infinity.
-        let inverse = way.to_array().map(|d| if d.abs() < 1e-30 { 1e30 } else { 1.0 / d });
-        Self {
-            start: start.to_array().map(f32x4::splat),
-            way: way.to_array().map(f32x4::splat),
-            inverse: inverse.map(f32x4::splat),
-            backwards: inverse.map(|i| i < 0.0),
-            place: f32x4::splat(start.abs().element_sum()),
-            length: f32x4::splat(way.abs().element_sum()),
-        }
-    }
 }
 
 impl WideTree {
@@ -144,7 +102,15 @@ impl WideTree {
         }
         let first = self.packets.len() as u32;
         self.packets.extend(all.chunks(4).map(Packet::new));
-        Child { first, packets: self.packets.len() as u32 - first }
+        let child = Child { first, packets: self.packets.len() as u32 - first };
+        for &(_, polygon) in &all {
+            let polygon = polygon as usize;
+            if self.homes.len() <= polygon {
+                self.homes.resize(polygon + 1, Child::default());
+            }
+            self.homes[polygon] = child;
+        }
+        child
     }
 
     /// Calls `visit(polygon, surely)` for the polygons that the ray `start + t way` may meet with
@@ -174,18 +140,61 @@ impl WideTree {
             let first = child.first as usize;
             let mut shown = NOTHING;
             for packet in &self.packets[first..first + child.packets as usize] {
-                let (mut possible, sure) = packet.meet(&ray, limit);
-                while possible != 0 {
-                    let lane = possible.trailing_zeros();
-                    possible &= possible - 1;
-                    let polygon = packet.polygons[lane as usize];
-                    if polygon != shown && polygon != NOTHING {
-                        shown = polygon;
-                        limit = limit.min(visit(polygon, sure >> lane & 1 == 1));
-                    }
-                }
+                packet.show(&ray, &mut limit, &mut shown, &mut visit);
             }
         }
+    }
+
+    /// A polygon at or beside `polygon` that passes `wanted` and that the ray surely meets inside
+    /// with 0 < t <= `limit`.
+    pub fn met_beside(
+        &self,
+        polygon: u32,
+        (start, way): (Vec3, Vec3),
+        limit: f32,
+        wanted: impl Fn(u32) -> bool,
+    ) -> Option<u32> {
+        let home = self.homes.get(polygon as usize)?;
+        let ray = WideRay::new(start, way);
+        let first = home.first as usize;
+        self.packets[first..first + home.packets as usize].iter().find_map(|packet| {
+            let (_, sure) = packet.meet(&ray, limit);
+            let met = |&lane: &usize| sure >> lane & 1 == 1 && wanted(packet.polygons[lane]);
+            (0..4).find(met).map(|lane| packet.polygons[lane])
+        })
+    }
+
+    /// Calls `visit` for the packets in boxes that the shaft may reach into, until it says false or
+    /// `work` nodes and packets are seen. Whether that was all.
+    pub fn gather<'t>(
+        &'t self,
+        shaft: &Shaft,
+        open: &mut Vec<Child>,
+        mut work: usize,
+        mut visit: impl FnMut(&'t Packet) -> bool,
+    ) -> bool {
+        open.clear();
+        open.extend(self.root);
+        while let Some(child) = open.pop() {
+            let first = child.first as usize;
+            let Some(left) = work.checked_sub(child.packets.max(1) as usize) else { return false };
+            work = left;
+            if child.packets > 0 {
+                for packet in &self.packets[first..first + child.packets as usize] {
+                    if !visit(packet) {
+                        return false;
+                    }
+                }
+                continue;
+            }
+            let node = &self.nodes[first];
+            let mut met = shaft.meets_boxes(&node.min, &node.max);
+            while met != 0 {
+                open.push(node.children[met.trailing_zeros() as usize]);
+                met &= met - 1;
+            }
+        }
+        true
     }
 }
 
@@ -264,68 +273,6 @@ impl WideNode {
             }
         }
     }
-}
-
-impl Packet {
-    fn new(triangles: &[([Vec3; 3], u32)]) -> Self {
-        let mut packet = Self {
-            corner: [f32x4::ZERO; 3],
-            ab: [f32x4::ZERO; 3],
-            ac: [f32x4::ZERO; 3],
-            size: f32x4::ZERO,
-            extent: f32x4::ZERO,
-            polygons: [NOTHING; 4],
-        };
-        for (lane, &([a, b, c], polygon)) in triangles.iter().enumerate() {
-            let (ab, ac) = (b - a, c - a);
-            for axis in 0..3 {
-                packet.corner[axis].as_array_mut()[lane] = a[axis];
-                packet.ab[axis].as_array_mut()[lane] = ab[axis];
-                packet.ac[axis].as_array_mut()[lane] = ac[axis];
-            }
-            let size = ab.abs().element_sum().max(ac.abs().element_sum());
-            packet.size.as_array_mut()[lane] = size;
-            packet.extent.as_array_mut()[lane] = size + a.abs().element_sum();
-            packet.polygons[lane] = polygon;
-        }
-        packet
-    }
-
-    /// Masks of the triangles that the ray may meet, and of those that it surely meets inside, both
-    /// with t up to `limit`. The test of Möller and Trumbore, "Fast, minimum storage ray/triangle
-    /// intersection" (1997), both sides, without division.
-    fn meet(&self, ray: &WideRay, limit: f32) -> (u32, u32) {
-        let from_corner = [0, 1, 2].map(|i| ray.start[i] - self.corner[i]);
-        let p = cross(ray.way, self.ac);
-        let q = cross(from_corner, self.ab);
-        let det = dot(self.ab, p);
-        let sign = det & f32x4::splat(-0.0);
-        let scale = det.abs();
-        let u = dot(from_corner, p) ^ sign;
-        let v = dot(ray.way, q) ^ sign;
-        let t = dot(self.ac, q) ^ sign;
-        let least = u.fast_min(v).fast_min(scale - u - v);
-        // Lengths that go into the products bound the rounding of their sums.
-        let unit = self.size * f32x4::splat(ROUNDING);
-        let reach = ray.place + self.extent;
-        let across = unit * ray.length * reach;
-        let along = unit * self.size * (reach + ray.length);
-        let edge = across + f32x4::splat(NEAR_EDGE) * scale;
-        let flat = unit * ray.length * self.size;
-        let end = f32x4::splat(limit) * scale;
-        let turned = scale.cmp_gt(flat);
-        let miss = turned & (least.cmp_lt(-edge) | t.cmp_lt(-along)) | t.abs().cmp_gt(end + along);
-        let inside = turned & least.cmp_gt(edge) & t.cmp_gt(along) & t.cmp_lt(end - along);
-        (!miss.move_mask() as u32 & 15, inside.move_mask() as u32)
-    }
-}
-
-fn dot(a: [f32x4; 3], b: [f32x4; 3]) -> f32x4 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-fn cross(a: [f32x4; 3], b: [f32x4; 3]) -> [f32x4; 3] {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
 #[cfg(test)]

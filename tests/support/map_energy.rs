@@ -4,6 +4,7 @@ use super::lit_map::{Lit, Prepared};
 use glam::DVec3;
 use qrad::light::bounce_source;
 use qrad::radiosity::bounce::PatchLight;
+use qrad::scene::Role;
 
 /// What the sums of a map come to.
 #[derive(Clone, Copy, Debug, Default)]
@@ -31,8 +32,10 @@ impl MapSums {
     }
 }
 
+/// Area of a patch as far as it takes light out of the map: liquids receive light, but all of it passes on.
 fn area(map: &Prepared, i: usize) -> f64 {
-    map.patches.set.patches[i].area.into()
+    let surface = &map.scene.surfaces[map.patches.surface[i] as usize];
+    if surface.role == Role::Ghost { 0.0 } else { map.patches.set.patches[i].area.into() }
 }
 
 /// Between the planes of the map's surfaces: the errors of single pairs of patches, a few cells each,

@@ -44,7 +44,7 @@ impl HemicubeSize {
 
     /// A quarter as many cells along each edge, but not fewer than 32 where there were more: for
     /// patches with several hemicubes.
-    pub(super) fn coarser(self) -> Self {
+    pub(crate) fn coarser(self) -> Self {
         let part = |n: u32| (n / 8 * 2).max(n.min(32));
         Self { width: part(self.width), height: part(self.height) }
     }

@@ -1,0 +1,137 @@
+//! What bounced light of a map takes, from samples of it.
+
+use super::Rung;
+use crate::patch::MapPatches;
+use crate::radiosity::hemicube::{DeltaFormFactors, HemicubeSize, View};
+use crate::radiosity::transfers::Gatherer;
+use crate::scene::{Sample, Scene};
+use rayon::prelude::*;
+use std::collections::BTreeMap;
+use std::time::Instant;
+
+/// Sizes of patches and of hemicubes that are sampled.
+const PATCH_SIZES: [u32; 3] = [2, 4, 8];
+const CELLS: [u32; 3] = [16, 32, 64];
+/// Hemicubes of each size that are timed.
+const SAMPLED: usize = 96;
+/// Interpolating a luxel takes this share of a hemicube of 16 cells.
+const INTERPOLATED: f64 = 0.06;
+/// A luxel's hemicube takes this times that of a patch, as it tells apart luxel intervals.
+const OF_LUXEL: f64 = 1.15;
+/// Share of the patches that draw their own hemicube where sharing is allowed.
+const OWN: f64 = 0.72;
+/// Seconds of a bounce for each form factor, on one thread.
+const BOUNCE: f64 = 2.5e-9;
+/// Bounces until light has settled, about.
+const BOUNCES: f64 = 9.0;
+/// Bytes of a form factor.
+const FACTOR_BYTES: f64 = 8.5;
+/// Bytes of a luxel in all that is kept for it.
+const LUXEL_BYTES: f64 = 220.0;
+
+/// What samples tell.
+#[derive(Clone, Debug)]
+pub struct Costs {
+    luxels: f64,
+    /// By size: patches.
+    patches: BTreeMap<u32, f64>,
+    /// By cells: seconds of a hemicube with all threads at work, and form factors in a row.
+    hemicubes: BTreeMap<u32, (f64, f64)>,
+    /// Bytes in use before.
+    base: f64,
+}
+
+/// What a run is expected to take.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Predicted {
+    /// Seconds.
+    pub seconds: f64,
+    /// Bytes.
+    pub memory: f64,
+    /// Relative root mean square error of bounced light.
+    pub error: f64,
+}
+
+impl Costs {
+    /// Cuts patches and times some hemicubes.
+    pub fn measure(scene: &Scene, luxels: &[Vec<Sample>]) -> Self {
+        let cut = |size| (size, MapPatches::new(scene, luxels, size));
+        let patches: Vec<(u32, MapPatches)> = PATCH_SIZES.into_iter().map(cut).collect();
+        let finest = &patches[0].1;
+        let count = finest.set.patches.len();
+        let step = count.div_ceil(SAMPLED).max(1);
+        let time = |cells: u32| {
+            let size = HemicubeSize::new(cells, cells).expect("even and in range");
+            let delta = DeltaFormFactors::new(size);
+            let chosen: Vec<usize> = (0..count).step_by(step).collect();
+            let start = Instant::now();
+            let lengths: Vec<usize> = chosen
+                .par_iter()
+                .map_init(
+                    || Gatherer::new(scene.bounce_tracer(), &finest.set, &delta, size),
+                    |gatherer, &i| {
+                        let patch = &finest.set.patches[i];
+                        gatherer.look(&View::turned(patch.eye, patch.normal, i as u64));
+                        gatherer.row().len()
+                    },
+                )
+                .collect();
+            let n = chosen.len().max(1) as f64;
+            let length = lengths.iter().sum::<usize>() as f64 / n;
+            (cells, (start.elapsed().as_secs_f64() / n, length))
+        };
+        Self {
+            luxels: luxels.iter().flatten().filter(|s| !s.occluded).count() as f64,
+            hemicubes: CELLS.into_iter().map(time).collect(),
+            patches: patches.iter().map(|(s, p)| (*s, p.set.patches.len() as f64)).collect(),
+            base: crate::memory::peak().unwrap_or(8 << 20) as f64,
+        }
+    }
+
+    /// Patches, hemicubes at patches, and form factors.
+    fn counts(&self, rung: &Rung) -> [f64; 3] {
+        let size = rung.patch_size;
+        // Between sizes that were cut: as areas go.
+        let (near, count) = self
+            .patches
+            .iter()
+            .min_by_key(|(s, _)| s.abs_diff(size))
+            .map_or((1, 0.0), |(s, n)| (*s, *n));
+        let count = count * (f64::from(near) / f64::from(size)).powi(2);
+        let own = if rung.share > 0.0 { OWN } else { 1.0 };
+        // Fewer patches are seen where they are larger.
+        let row = self.of(rung.cells).1 * (2.0 / f64::from(size)).powf(1.2);
+        [count, count * own, count * own * row]
+    }
+
+    /// Seconds of a hemicube and length of its row.
+    fn of(&self, cells: u32) -> (f64, f64) {
+        let (near, of) = self
+            .hemicubes
+            .iter()
+            .min_by_key(|(c, _)| c.abs_diff(cells))
+            .expect("some sizes are timed");
+        let share = f64::from(cells) / f64::from(*near);
+        (of.0 * share, of.1 * share.powf(0.7))
+    }
+
+    /// Seconds of bounced light.
+    pub fn seconds(&self, rung: &Rung) -> f64 {
+        let [_, hemicubes, factors] = self.counts(rung);
+        let hemicube = self.of(rung.cells).0;
+        let bounces = factors * BOUNCES * BOUNCE / rayon::current_num_threads() as f64;
+        let interpolated =
+            if rung.gather_error == 0.0 { 0.0 } else { INTERPOLATED * self.of(16).0 };
+        hemicubes * hemicube
+            + bounces
+            + self.luxels * (rung.luxels * hemicube * OF_LUXEL + interpolated)
+    }
+
+    /// All of bounced light.
+    pub fn predict(&self, rung: &Rung) -> Predicted {
+        let [patches, _, factors] = self.counts(rung);
+        let memory =
+            self.base + factors * FACTOR_BYTES + patches * 300.0 + self.luxels * LUXEL_BYTES;
+        Predicted { seconds: self.seconds(rung), memory, error: rung.error }
+    }
+}

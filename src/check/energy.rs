@@ -1,0 +1,69 @@
+//! Whether light that is sent arrives.
+
+use crate::patch::PatchSet;
+use crate::radiosity::transfers::Transfers;
+use glam::DVec3;
+
+/// A row counts as dead if it sees less than this share of what others see of its patch...
+const DEAD: f64 = 0.1;
+/// ...where that is at least such a part of its view...
+const SEEN: f64 = 0.2;
+/// ...and so many of them see it.
+const WITNESSES: u32 = 16;
+
+/// Where the light goes that patches send.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+pub struct Energy {
+    /// Light that patches receive of each other over what their rows say that they send to patches: 1
+    /// where form factors keep reciprocity, A_i F_ij = A_j F_ji.
+    pub balance: f64,
+    /// Share of the light sent that meets no patch: it goes to the sky, to backs or to the void.
+    pub lost: f64,
+    /// Patches whose rows are all but empty although many patches see them.
+    pub dead: usize,
+    /// The first of those.
+    pub first_dead: Option<usize>,
+}
+
+impl Energy {
+    /// Of a solution: `exitance` has one entry a patch. `None` if nothing is sent to any patch.
+    pub fn new(patches: &PatchSet, transfers: &Transfers, exitance: &[DVec3]) -> Option<Self> {
+        let received = transfers.gather(exitance);
+        // What others see of each patch, times its area; and how many see it. Liquids take light, but no
+        // ray of others ends on them.
+        let mut seen = vec![(0.0, 0_u32); exitance.len()];
+        let mut sees = vec![0.0; exitance.len()];
+        for (i, patch) in patches.patches.iter().enumerate() {
+            let (columns, weights) = transfers.row(i);
+            for (&j, &f) in columns.iter().zip(weights) {
+                let of = &mut seen[j as usize];
+                *of = (of.0 + f64::from(patch.area * f), of.1 + 1);
+                sees[i] += f64::from(f);
+            }
+        }
+        let (mut all, mut sent, mut arrived) = (0.0, 0.0, 0.0);
+        let mut dead = (0, None);
+        for (i, patch) in patches.patches.iter().enumerate() {
+            let area = f64::from(patch.area);
+            let light = area * exitance[i].element_sum();
+            all += light;
+            sent += light * sees[i];
+            let (by_others, witnesses) = seen[i];
+            if witnesses == 0 {
+                continue;
+            }
+            arrived += area * received[i].element_sum();
+            let share = by_others / area;
+            if witnesses >= WITNESSES && share > SEEN && sees[i] < DEAD * share {
+                dead = (dead.0 + 1, dead.1.or(Some(i)));
+            }
+        }
+        let usable = |x: f64| x > 0.0 && x.is_finite();
+        (usable(all) && usable(sent)).then(|| Self {
+            balance: arrived / sent,
+            lost: (1.0 - sent / all).max(0.0),
+            dead: dead.0,
+            first_dead: dead.1,
+        })
+    }
+}

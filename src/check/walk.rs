@@ -1,0 +1,263 @@
+//! Paths of light backwards: from a point along rays, reflected as diffuse surfaces do.
+
+use super::choice::{Random, four};
+use crate::patch::{PatchSet, PolygonPatches};
+use crate::scene::Tracer;
+use glam::{DVec3, Vec3};
+
+/// What may be left of the light of a path when the rest is taken from the solution.
+const LEFT: f64 = 0.03;
+/// Most surfaces that a path meets.
+const DEEPEST: u32 = 12;
+
+/// Where a path meets a patch.
+#[derive(Clone, Copy, Debug)]
+pub struct Met {
+    /// Number of the patch.
+    pub patch: usize,
+    /// The point.
+    pub position: Vec3,
+    /// The polygon of the tracer.
+    pub polygon: u32,
+}
+
+/// Direct irradiance where paths meet surfaces.
+pub trait Direct: Sync {
+    /// Irradiance from lights that are no patches, per channel, in light units.
+    fn at(&self, met: &Met) -> Vec3;
+}
+
+/// A solved scene, all light styles added up. Slices have one entry a patch.
+pub struct Lit<'a> {
+    /// What blocks light.
+    pub tracer: &'a Tracer,
+    /// The patches.
+    pub patches: &'a PatchSet,
+    /// Light that patches give off by themselves.
+    pub emission: &'a [Vec3],
+    /// What counts of it where it bounces.
+    pub bouncing: &'a [Vec3],
+    /// The solution: final exitance.
+    pub exitance: &'a [Vec3],
+    /// Patches that rays are sent to besides: none, or all that give off light.
+    pub lamps: Lamps,
+    /// Light of other kinds.
+    pub direct: &'a dyn Direct,
+    /// Most bounces; `None` for no limit.
+    pub bounces: Option<u32>,
+    /// Distance of starting points from surfaces, in units of the tracer.
+    pub lift: f32,
+}
+
+/// Patches that give off light, to send rays to, and how likely each is chosen.
+#[derive(Clone, Debug, Default)]
+pub struct Lamps {
+    /// Patch, corners, light, likeliness by area, and sum of likeliness up to it.
+    lamps: Vec<Lamp>,
+    /// Likeliness by area of each patch; empty if there are no lamps.
+    by_area: Vec<f32>,
+}
+
+#[derive(Clone, Debug)]
+struct Lamp {
+    corners: Vec<DVec3>,
+    normal: Vec3,
+    light: Vec3,
+    by_area: f32,
+    until: f64,
+}
+
+impl Lamps {
+    /// The patches with `emission`, as likely as the light that they give off.
+    pub fn new(patches: &PatchSet, emission: &[Vec3]) -> Self {
+        let area = |c: &[DVec3]| 0.5 * (c[2] - c[0]).cross(c[3] - c[1]).length();
+        let power = |i: usize| area(&patches.outlines[i]) * f64::from(emission[i].element_sum());
+        let all: f64 = (0..emission.len()).map(power).sum();
+        let mut found = Self { lamps: Vec::new(), by_area: vec![0.0; emission.len()] };
+        let mut until = 0.0;
+        for (i, &light) in emission.iter().enumerate().filter(|(i, _)| power(*i) > 0.0) {
+            let corners = patches.outlines[i].clone();
+            until += power(i) / all;
+            let by_area = (power(i) / all / area(&corners)) as f32;
+            found.by_area[i] = by_area;
+            let normal = patches.patches[i].normal;
+            found.lamps.push(Lamp { corners, normal, light, by_area, until });
+        }
+        found
+    }
+
+    /// Light of one lamp that arrives at a point, by one ray. What it counts for, against rays that meet
+    /// the lamp by chance, is the balance heuristic (E. Veach and L. Guibas, 1995).
+    fn arriving(&self, tracer: &Tracer, from: Vec3, normal: Vec3, random: &mut Random) -> Vec3 {
+        let chosen = random.next();
+        let Some(lamp) = self.lamps.get(self.lamps.partition_point(|l| l.until < chosen)) else {
+            return Vec3::ZERO;
+        };
+        let at = within(&lamp.corners, [random.next() as f32, random.next() as f32]).as_vec3();
+        let (way, distance) = (at - from, at.distance(from));
+        let chance = by_chance(way, distance, normal, lamp.normal);
+        if chance <= 0.0 || tracer.first_hit(from, way, 1.0 - 1e-4).is_some() {
+            return Vec3::ZERO;
+        }
+        lamp.light * (chance / (chance + lamp.by_area))
+    }
+
+    /// What emission counts for that a ray meets by chance.
+    fn share(&self, patch: usize, chance: f32) -> f32 {
+        self.by_area.get(patch).map_or(1.0, |&by_area| chance / (chance + by_area))
+    }
+}
+
+/// Likeliness by area that a ray, distributed as the cosine to `normal`, meets a point of a surface.
+fn by_chance(way: Vec3, distance: f32, normal: Vec3, of_surface: Vec3) -> f32 {
+    let cosines = way.dot(normal).max(0.0) * (-way).dot(of_surface).max(0.0);
+    cosines / (std::f32::consts::PI * distance.powi(4))
+}
+
+/// A point of a convex quad, every part of it as likely as its area says.
+pub(super) fn within(corners: &[DVec3], [u, v]: [f32; 2]) -> DVec3 {
+    let [a, b, c, d] = [0, 1, 2, 3].map(|i| corners[i]);
+    let one = (b - a).cross(c - a).length();
+    let two = (c - a).cross(d - a).length();
+    let share = one / (one + two);
+    let (mut u, mut v) = (f64::from(u), f64::from(v));
+    let [p, q, r] = if u < share {
+        u /= share;
+        [a, b, c]
+    } else {
+        u = (u - share) / (1.0 - share);
+        [a, c, d]
+    };
+    // The square folded to a triangle.
+    if u + v > 1.0 {
+        (u, v) = (1.0 - u, 1.0 - v);
+    }
+    p + (q - p) * u + (r - p) * v
+}
+
+/// A bundle of paths from around a point.
+#[derive(Clone, Copy)]
+pub(super) struct Bundle {
+    /// Tells apart points and halves.
+    pub seed: u64,
+    /// How many.
+    pub paths: u32,
+    /// Their starts differ.
+    pub starts: bool,
+}
+
+impl Lit<'_> {
+    /// How many surfaces paths meet: as many as it takes until a few hundredths of the light are left,
+    /// at most 12. The last one's light is that of the solution, unless bounces are limited to less.
+    pub fn depth(&self) -> u32 {
+        let (mut sum, mut areas) = (0.0, 0.0);
+        for p in &self.patches.patches {
+            sum += f64::from(p.area) * f64::from(p.reflectance.0.max_element());
+            areas += f64::from(p.area);
+        }
+        let mean: f64 = (sum / areas).clamp(0.01, 0.99);
+        let depth = 1 + (LEFT.ln() / mean.ln()).ceil() as u32;
+        depth.clamp(2, DEEPEST)
+    }
+
+    /// Irradiance as the mean of a bundle of paths. `start` tells where they begin and the unit normal
+    /// there, given two numbers from 0 to 1.
+    pub(super) fn irradiance(
+        &self,
+        bundle: Bundle,
+        start: impl Fn([f32; 2]) -> (Vec3, Vec3),
+    ) -> Vec3 {
+        let depth = self.depth();
+        let seed = Random(bundle.seed).next().to_bits();
+        let mut sum = DVec3::ZERO;
+        for k in 0..bundle.paths {
+            let [u, v, x, y] = four(k, seed, bundle.starts);
+            let (from, normal) = start([x, y]);
+            let mut random = Random(seed ^ u64::from(k).wrapping_mul(0xD6E8_FEB8_6659_FD93));
+            let direction = cosine(normal, u, v);
+            sum += self.walk((from, normal), direction, depth, &mut random).as_dvec3();
+        }
+        (sum / f64::from(bundle.paths)).as_vec3()
+    }
+
+    /// Light that comes along one path.
+    fn walk(
+        &self,
+        (mut from, mut normal): (Vec3, Vec3),
+        mut direction: Vec3,
+        depth: u32,
+        random: &mut Random,
+    ) -> Vec3 {
+        let (mut sum, mut share) = (Vec3::ZERO, Vec3::ONE);
+        // The solution cannot tell what few bounces leave out.
+        let limit = self.bounces.filter(|&n| n < DEEPEST);
+        let last = limit.map_or(depth, |n| n + 1);
+        for met_so_far in 1..=last {
+            sum += share * self.lamps.arriving(self.tracer, from, normal, random);
+            let Some(met) = self.meet(from, direction) else { break };
+            let i = met.patch;
+            let patch = &self.patches.patches[i];
+            let chance = {
+                let way = met.position - from;
+                by_chance(way, way.length(), normal, patch.normal)
+            };
+            let emission = if met_so_far == 1 { self.emission[i] } else { self.bouncing[i] };
+            sum += share * emission * self.lamps.share(i, chance);
+            if met_so_far == last {
+                if limit.is_none() {
+                    sum += share * (self.exitance[i] - self.emission[i]);
+                }
+                break;
+            }
+            share *= patch.reflectance.0;
+            if share == Vec3::ZERO {
+                break;
+            }
+            sum += share * self.direct.at(&met);
+            (from, normal) = (met.position + patch.normal * self.lift, patch.normal);
+            direction = cosine(normal, random.next() as f32, random.next() as f32);
+        }
+        sum
+    }
+
+    /// The patch that a ray meets from its front.
+    pub(super) fn meet(&self, from: Vec3, direction: Vec3) -> Option<Met> {
+        let hit = self.tracer.first_hit(from, direction, f32::MAX)?;
+        let polygon = &self.tracer.polygons()[hit.polygon as usize];
+        if polygon.normal.dot(from - polygon.vertices[0]) <= 0.0 {
+            return None;
+        }
+        let position = from + direction * hit.distance;
+        let patch = match self.patches.lookup.polygon(hit.polygon) {
+            PolygonPatches::None => return None,
+            PolygonPatches::Whole(patch) => *patch,
+            PolygonPatches::Grid(grid) => grid.at_point(position),
+        };
+        Some(Met { patch: patch.0 as usize, position, polygon: hit.polygon })
+    }
+}
+
+/// A direction above a surface, as likely as the cosine to its unit normal: two numbers from 0 to 1
+/// lifted from the disc to the hemisphere.
+pub(super) fn cosine(normal: Vec3, u: f32, v: f32) -> Vec3 {
+    let (t, b) = normal.any_orthonormal_pair();
+    let (sin, cos) = (v * std::f32::consts::TAU).sin_cos();
+    let r = u.sqrt();
+    t * (r * cos) + b * (r * sin) + normal * (1.0 - u).max(0.0).sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn points_of_a_kite_have_its_centroid() {
+        let corners =
+            [[0.0, 0.0], [2.0, -1.0], [5.0, 0.0], [2.0, 1.0]].map(|[x, y]| DVec3::new(x, y, 3.0));
+        let n = 200;
+        let at = |k: usize| (k as f32 + 0.5) / n as f32;
+        let mean = (0..n * n).map(|k| within(&corners, [at(k % n), at(k / n)])).sum::<DVec3>();
+        let mean = mean / (n * n) as f64;
+        assert!((mean - DVec3::new(7.0 / 3.0, 0.0, 3.0)).length() < 1e-2, "{mean}");
+    }
+}
