@@ -133,7 +133,8 @@ fn meets_box(node: &Node, from: DVec3, way: DVec3) -> bool {
     // A way within a plane of the box gives NaN, which `min` and `max` pass over.
     let (enter, leave) = (low.min(high).max_element(), low.max(high).min_element());
     let slack = 1e-9;
-    !(enter.max(0.0) - slack > leave.min(1.0) + slack)
+    let misses = enter.max(0.0) - slack > leave.min(1.0) + slack;
+    !misses
 }
 
 impl std::fmt::Debug for Overlay {

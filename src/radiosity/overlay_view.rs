@@ -144,7 +144,7 @@ fn eye_point(
     (side, x, y): (SideId, u32, u32),
     nearness: f32,
 ) -> DVec3 {
-    let [a, b, c] = view.axes(side).map(|axis| axis.as_dvec3());
+    let [a, b, c] = view.axes(side).map(Vec3::as_dvec3);
     let at = size.cell_centre(side, x, y).as_dvec2();
     view.position.as_dvec3() + (c + a * at.x + b * at.y) / f64::from(nearness)
 }

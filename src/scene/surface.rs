@@ -13,7 +13,8 @@ pub enum Role {
     /// Blocks light and sends nothing back.
     Sky,
     /// Stops some light and lets some pass (fences, glass, and faces of models that cast shadow in
-    /// special ways or channels), and sends nothing back. Bounced light passes through it.
+    /// special ways or channels), and sends nothing back. Bounced light passes through it, through glass
+    /// with its tint.
     Filter,
     /// Neither blocks nor reflects (liquids and models without shadow).
     ///

@@ -38,13 +38,13 @@ impl MaterialFile {
             reader.error(at, message)
         })?;
         let mut entries = Vec::new();
-        for (key, value) in table.get_ref().iter() {
+        for (key, value) in table.get_ref() {
             reader.known(key.get_ref(), key.span().start, &["material"])?;
             let DeValue::Array(list) = value.get_ref() else {
                 let problem = "material: write [[material]], with two brackets, before each";
                 return Err(reader.error(value.span().start, problem));
             };
-            for entry in list.iter() {
+            for entry in list {
                 entries.push(reader.entry(entry)?);
             }
         }
@@ -85,7 +85,7 @@ impl Reader<'_> {
         };
         let mut patterns = Vec::new();
         let mut m = Material::default();
-        for (key, value) in table.iter() {
+        for (key, value) in table {
             let key_at = key.span().start;
             let key: &str = key.get_ref();
             self.known(key, key_at, &KEYS)?;
@@ -200,7 +200,7 @@ impl Reader<'_> {
 
     fn emission(&self, value: &Value<'_>) -> Result<MaterialEmission> {
         let (mut colour, mut intensity, mut parts) = (None, None, Emitting::default());
-        for (key, value) in self.table("emission", value)?.iter() {
+        for (key, value) in self.table("emission", value)? {
             let at = key.span().start;
             let key: &str = key.get_ref();
             self.known(key, at, &EMISSION_KEYS)?;
@@ -226,7 +226,7 @@ impl Reader<'_> {
     fn modifier(&self, value: &Value<'_>) -> Result<Modifier> {
         let (mut kind, mut colour) = (None, None);
         let mut numbers = [None; 3];
-        for (key, value) in self.table("modifier", value)?.iter() {
+        for (key, value) in self.table("modifier", value)? {
             let at = key.span().start;
             let key: &str = key.get_ref();
             self.known(key, at, &MODIFIER_KEYS)?;
