@@ -224,7 +224,7 @@ fn map() -> MapBuilder {
         entity(&[("classname", "func_wall"), ("model", "*1"), ("alpha", "0.9"), ("_shadow", "1")]),
         light("-150 0 100", "450"),
         light("120 60 60", "120"),
-        light("300 20 90", "130"),
+        light("300 20 90", "230"),
     ]
     .concat();
     let mut map = MapBuilder::room([-256.0, -128.0, 0.0], [384.0, 128.0, 128.0])
