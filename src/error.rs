@@ -69,3 +69,12 @@ impl Error {
         move |cause| Self::Io { action, path, cause }
     }
 }
+
+/// The known word that is most like `word`, for "did you mean": the first of those that are alike.
+///
+/// # Panics
+/// If no word is known.
+pub(crate) fn nearest<'a>(word: &str, known: impl IntoIterator<Item = &'a str>) -> &'a str {
+    let distance = |k: &&str| strsim::damerau_levenshtein(word, k);
+    known.into_iter().min_by_key(distance).expect("some word is known")
+}

@@ -45,7 +45,8 @@ use progress::Progress;
 use radiosity::hemicube::HemicubeSize;
 use radiosity::importance::Importance;
 use radiosity::near_pairs::{NearLimits, NearPairs};
-use radiosity::solve::{Limits, Solution, Sources, solve};
+use radiosity::overlay_pairs;
+use radiosity::solve::{Limits, Solution, Sources, solve_with};
 use radiosity::transfers::Transfers;
 use radiosity::trapped;
 use radiosity::visibility::Occluders;
@@ -61,7 +62,7 @@ const ROUGH_PASSES: u32 = 16;
 
 /// Lights a text scene: hemicubes of the size it names, closed forms where those err, then passes of gathering until nothing is
 /// left to send or its number of passes is used up. The solution holds the final exitance of each
-/// patch in file order.
+/// patch in file order, and then of the backs of patches with two sides.
 ///
 /// # Errors
 /// When the scene's hemicube size is out of range.
@@ -84,8 +85,9 @@ pub fn light_patches_with(
         let stage = progress.stage("form factors", patches.set.patches.len());
         Transfers::compute(&patches.tracer, &patches.set, size, |n| stage.advance(n))
     };
-    let mut reflectance = patches.reflectance();
-    let changed = trapped::let_out(&transfers, &mut reflectance, MAX_REFLECTANCE as f32);
+    let (mut reflectance, mut passages) = (patches.reflectance(), patches.set.passages.clone());
+    let limit = MAX_REFLECTANCE as f32;
+    let changed = trapped::let_out(&transfers, &mut reflectance, &mut passages, limit);
     if changed > 0 {
         log::warn!(
             "nothing absorbs the light of {changed} patches, which would never settle; their \
@@ -96,16 +98,18 @@ pub fn light_patches_with(
     if let Some(near) = near {
         let stage = progress.stage("near pairs", patches.set.patches.len());
         let rough = Limits { passes: Some(scene.passes.min(ROUGH_PASSES)), residual: 1e-2 };
-        let first = solve(&transfers, &patches.reflectance(), sources, rough);
+        let set = &patches.set;
+        let first = solve_with(&transfers, &patches.reflectance(), &set.passages, sources, rough);
         let importance = Importance::new(&patches.set, &patches.emission, &first.exitance);
-        let occluders = Occluders::new(&patches.tracer);
+        let occluders = Occluders::with_sheets(&patches.tracer, &patches.sheets);
         let near = NearPairs::new(&patches.set, occluders, importance, near, size.cells());
         transfers.improve(&patches.tracer, &patches.set, size, &near, |n| stage.advance(n));
+        overlay_pairs::improve(&mut transfers, &patches.set, &near);
     }
     let limits = Limits { passes: Some(scene.passes), residual: TEXT_RESIDUAL };
     let solution = {
         let _stage = progress.stage("passes", scene.passes as usize);
-        solve(&transfers, &reflectance, sources, limits)
+        solve_with(&transfers, &reflectance, &passages, sources, limits)
     };
     Ok((transfers, solution))
 }

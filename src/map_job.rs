@@ -11,6 +11,7 @@ use qrad::progress::Progress;
 use qrad::render::{Camera, LitMap, start_camera};
 use qrad::report::Report;
 use qrad::run_report::{self, RunReport};
+use qrad::scene::material_file::MaterialFile;
 use qrad::scene::{Scene, Sidecar, export};
 use qrad::settings::Settings;
 use qrad::{
@@ -51,7 +52,9 @@ pub fn run(
     let texinfo = sidecar(path, "texinfo.json")?;
     let content = sidecar(path, "content.json")?;
     let TextureLights { rad, lights } = TextureLights::read(cli, path)?;
+    let materials = materials(cli, path)?;
     let sidecar = Sidecar {
+        materials: materials.as_ref(),
         texinfo: texinfo.as_deref(),
         content: content.as_deref(),
         rad: Some(&rad),
@@ -260,7 +263,8 @@ fn check_outputs(cli: &Cli, map: &Path, target: &Path, settings: &Settings) -> q
     files.iter().try_for_each(|path| output::check_writable(path))?;
     // The map may be replaced by itself. A `.lit` file may come or go.
     let lit = (outputs.writes_map() && !entities_only).then_some(lit.as_path());
-    let inputs = cli.wad.iter().chain(&cli.radlights).map(PathBuf::as_path);
+    let inputs = cli.wad.iter().chain(&cli.radlights).chain(&cli.materials);
+    let inputs = inputs.map(PathBuf::as_path);
     let inputs: Vec<&Path> = inputs.chain((target != map).then_some(map)).collect();
     output::check_distinct(&files.iter().copied().chain(lit).collect::<Vec<_>>(), &inputs)?;
     settings.cache.as_ref().map_or(Ok(()), Cache::check)?;
@@ -299,6 +303,18 @@ impl TextureLights {
         }
         Ok(files)
     }
+}
+
+/// The material file that the command line names, or else `<map>.materials.toml`.
+fn materials(cli: &Cli, map: &Path) -> anyhow::Result<Option<MaterialFile>> {
+    let named = cli
+        .materials
+        .clone()
+        .or_else(|| Some(map.with_extension("materials.toml")).filter(|p| p.is_file()));
+    let Some(path) = named else { return Ok(None) };
+    let text = String::from_utf8(read(&path)?)
+        .with_context(|| format!("{}: not UTF-8 text", path.display()))?;
+    Ok(Some(MaterialFile::parse(&text, &path.display().to_string())?))
 }
 
 /// Textures of the WAD files given as options, and of those that worldspawn names if the map lacks

@@ -140,7 +140,8 @@ pub(crate) fn transfers(
     let (tracer, leaders) = (scene.bounce_tracer(), patches.leaders());
     let sharing = (leaders.as_slice(), settings.share);
     let size = settings.hemicube;
-    let cache = settings.cache.as_ref().filter(|_| count > 0);
+    // Files have no room for what an overlay adds.
+    let cache = settings.cache.as_ref().filter(|_| count > 0 && patches.set.overlay.is_none());
     let kept = cache.map(|cache| (cache, Key::new(tracer, &patches.set, sharing, size)));
     if let Some(transfers) = kept.as_ref().and_then(|(cache, key)| cache.load(*key, count)) {
         return transfers;

@@ -4,7 +4,7 @@ use assert_cmd::Command;
 use glam::DVec3;
 use image::{Rgb, RgbImage};
 use proptest::prelude::*;
-use qrad::patch::{CameraSpec, Quad, TextScene};
+use qrad::patch::{CameraSpec, PatchEffects, Quad, TextScene};
 use qrad::render::{Camera, draw_patches};
 use std::path::Path;
 
@@ -176,7 +176,7 @@ proptest! {
             .map(|(origin, u, v)| {
                 let [origin, u, v] = [origin, u, v].map(DVec3::from_array);
                 let vertices = [origin, origin + u, origin + u + v, origin + v];
-                Quad { vertices, normal: DVec3::ZERO, exitance: [0.0; 3], reflectance: [0.0; 3] }
+                Quad { vertices, normal: DVec3::ZERO, exitance: [0.0; 3], reflectance: [0.0; 3], effects: PatchEffects::default() }
             })
             .filter(|quad| {
                 let v = quad.vertices;
@@ -210,7 +210,7 @@ proptest! {
     fn drawing_never_panics(numbers in prop::array::uniform12(prop_oneof![
         -1e12..1e12f64, -1.0..1.0f64, Just(0.0), Just(1e-300)])) {
         let vertices = std::array::from_fn(|i| DVec3::from_slice(&numbers[3 * i..]));
-        let quad = Quad { vertices, normal: DVec3::Z, exitance: [0.0; 3], reflectance: [1.0; 3] };
+        let quad = Quad { vertices, normal: DVec3::Z, exitance: [0.0; 3], reflectance: [1.0; 3], effects: PatchEffects::default() };
         let spec = CameraSpec { position: DVec3::ZERO, look_at: DVec3::X, up: DVec3::Z };
         let camera = Camera::look_at(&spec, 40.0, [9, 7]).unwrap();
         prop_assert!(draw_patches(&[quad], &camera, 1.0).is_ok());

@@ -4,7 +4,9 @@ mod support;
 
 use glam::DVec3;
 use proptest::prelude::*;
-use qrad::patch::{CameraSpec, MAX_REFLECTANCE, Quad, Reading, Repair, TextScene, decode};
+use qrad::patch::{
+    CameraSpec, MAX_REFLECTANCE, PatchEffects, Quad, Reading, Repair, TextScene, decode,
+};
 use std::path::{Path, PathBuf};
 
 const CAMERA: &str = "278 273 -800 278 273 0 0 1 0";
@@ -254,7 +256,13 @@ fn quad(second_high: f64) -> impl Strategy<Value = Quad> {
             let (u_edge, v_edge) = (u * width, v * height);
             let vertices =
                 [origin, origin + u_edge, origin + v_edge + u_edge * top, origin + v_edge];
-            Quad { vertices, normal: u.cross(v).normalize(), exitance, reflectance }
+            Quad {
+                vertices,
+                normal: u.cross(v).normalize(),
+                exitance,
+                reflectance,
+                effects: PatchEffects::default(),
+            }
         })
 }
 

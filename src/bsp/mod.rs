@@ -37,7 +37,7 @@ pub use light_grid::{GridPlace, GridPoint, GridStyle, octree_lump, sides_lump};
 pub use lit::{read_hdr_lit, read_lit, write_hdr_lit, write_lit};
 pub use lit2::{LitFace, write_lit2};
 pub use miptex::MipTex;
-pub use palette::{PALETTE, TRANSPARENT, average_colour};
+pub use palette::{FULLBRIGHTS, PALETTE, TRANSPARENT, average_colour};
 pub use records::{Face, Format, Leaf, Model, Node, Plane, TexInfo};
 pub use switchable::{StyleRange, normalise, rewrite_entities};
 pub use wad::{find_texture, load_wad};

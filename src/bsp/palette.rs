@@ -4,6 +4,8 @@ use glam::{DVec3, Vec3};
 
 /// Palette index that is see-through in fences, and left out of averages everywhere.
 pub const TRANSPARENT: u8 = 255;
+/// Palette indices that engines show at full brightness, whatever the light.
+pub const FULLBRIGHTS: std::ops::Range<u8> = 224..TRANSPARENT;
 
 const fn rgb(hex: u32) -> [u8; 3] {
     let [_, r, g, b] = hex.to_be_bytes();

@@ -32,6 +32,9 @@ use std::time::{Duration, Instant};
 
 /// Most points.
 const MOST_POINTS: usize = 600;
+/// Said where light passes through surfaces.
+const UNCHECKED: &str =
+    "the result is not checked: paths do not follow light through glass or curtains";
 /// Paths of a point by rays, in each of two halves: at least, and at most.
 const PATHS: [u32; 2] = [64, 4096];
 /// Share of a run's time that its check may take.

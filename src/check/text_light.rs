@@ -1,7 +1,7 @@
 //! Checking text scenes: light that patches reflect, as means over their areas.
 
 use super::walk::{Bundle, Direct, Lamps, Lit, Met, within};
-use super::{Again, Energy, Findings, Points, check};
+use super::{Again, Energy, Findings, Points, UNCHECKED, check};
 use crate::patch::{MAX_REFLECTANCE, TextPatches, TextScene};
 use crate::radiosity::solve::Solution;
 use crate::radiosity::transfers::Transfers;
@@ -82,8 +82,12 @@ pub fn check_patches(
     end: Instant,
 ) -> (Option<Findings>, Option<Energy>) {
     let mut patches = TextPatches::new(scene);
+    if patches.set.passes_light() {
+        log::warn!("{UNCHECKED}");
+        return (None, None);
+    }
     let mut reflectance = patches.reflectance();
-    trapped::let_out(transfers, &mut reflectance, MAX_REFLECTANCE as f32);
+    trapped::let_out(transfers, &mut reflectance, &mut [], MAX_REFLECTANCE as f32);
     for (patch, rho) in patches.set.patches.iter_mut().zip(reflectance) {
         patch.reflectance = rho;
     }

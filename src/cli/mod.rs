@@ -115,6 +115,10 @@ pub struct Cli {
     #[arg(long, value_name = "FILE", help_heading = "Materials")]
     pub radlights: Vec<PathBuf>,
 
+    /// Material file: what textures do to light; see docs/materials.md [default: MAP.materials.toml]
+    #[arg(long, value_name = "FILE.toml", help_heading = "Materials")]
+    pub materials: Option<PathBuf>,
+
     /// How `_surface` lights shine
     #[arg(long, value_enum, default_value_t, help_heading = "Materials")]
     pub surface_lights: SurfaceLightsArg,

@@ -85,6 +85,7 @@ pub fn indirect(
         interpolate(sources, &known, &mut faces);
     }
     hemicubes += drawn.fill(&mut faces, |_| true, None);
+    add_passing(sources, &mut faces);
     let maps = faces
         .into_par_iter()
         .map(|face| {
@@ -93,6 +94,34 @@ pub fn indirect(
         })
         .collect();
     (maps, hemicubes)
+}
+
+/// Adds what comes through thin brushes from their other side.
+fn add_passing(sources: Sources<'_>, faces: &mut [Face<'_>]) {
+    if sources.light.iter().all(|l| l.passing.is_empty()) {
+        return;
+    }
+    let surfaces = &sources.scene.surfaces;
+    faces.par_iter_mut().enumerate().for_each(|(surface, face)| {
+        let Some(grid) = surfaces[surface].luxels.as_ref() else { return };
+        if surfaces[surface].diffuse.is_none() {
+            return;
+        }
+        for (sample, light) in face.samples.iter().zip(&mut face.light) {
+            let Some(light) = light else { continue };
+            // A mean over some luxels around: patches have edges that are not to be seen.
+            let near = (0..25).map(|k| [k % 5 - 2, k / 5 - 2].map(|d| d as f32 * 0.5));
+            for [s, t] in near {
+                let at = sample.position + grid.s_step * s + grid.t_step * t;
+                let Some(patch) = sources.patches.at(surface, at) else { continue };
+                for (sum, style) in light.iter_mut().zip(sources.light) {
+                    if let Some(e) = style.passing.get(patch.0 as usize) {
+                        *sum += e.0.as_dvec3() / 25.0;
+                    }
+                }
+            }
+        }
+    });
 }
 
 /// The luxels of a face while they are being filled.
@@ -248,6 +277,11 @@ impl<'a> Drawn<'a> {
                 *sum += exitance.as_dvec3() * f64::from(f);
             }
         });
+        for &(patch, f) in gatherer.overlay() {
+            for (sum, style) in sums.iter_mut().zip(light) {
+                *sum += style.exitance[patch.0 as usize].0.as_dvec3() * f;
+            }
+        }
         sums
     }
 }

@@ -5,23 +5,31 @@ mod cuts;
 mod detail;
 mod leaders;
 mod lookup;
+mod opposite;
+mod overlay;
+mod pattern;
 mod polygon2;
 mod subdivide;
 mod text_check;
+mod text_effects;
 mod text_lines;
 mod text_patches;
 mod text_scene;
 
 pub use detail::{Detail, Intervals};
 pub use lookup::{PatchGrid, PatchLookup, PolygonPatches};
+pub use overlay::{Overlay, Sheet, Tint, in_cone};
+pub use pattern::Pattern;
 pub use subdivide::{Emission, MapPatches};
 pub use text_check::{MAX_HEMICUBE, MAX_IMAGE, MAX_REFLECTANCE};
+pub use text_effects::{PatchEffects, Shader};
 pub use text_lines::decode;
 pub use text_patches::TextPatches;
 pub use text_scene::{CameraSpec, Quad, Reading, Repair, TextScene};
 
 use crate::photometry::Reflectance;
 use glam::{DVec3, Vec3};
+use std::sync::Arc;
 
 /// Index of a patch.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -50,4 +58,37 @@ pub struct PatchSet {
     pub outlines: Vec<Vec<DVec3>>,
     /// Which patch a point of a polygon belongs to.
     pub lookup: PatchLookup,
+    /// Light that meets one patch and leaves another.
+    pub passages: Vec<Passage>,
+    /// Translucent polygons and patterns; `None` where there are none.
+    pub overlay: Option<Arc<Overlay>>,
+}
+
+/// Diffuse transmission: light that meets a patch and leaves another, the other side of the sheet.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Passage {
+    /// The patch that the light meets.
+    pub from: PatchId,
+    /// The patch that it leaves.
+    pub to: PatchId,
+    /// Share of the irradiance of `from` that becomes exitance of `to`, per channel; with the reflectance
+    /// of `from` at most 1.
+    pub transmittance: Vec3,
+}
+
+impl PatchSet {
+    /// Whether light passes through anything, or patches vary within themselves.
+    pub fn passes_light(&self) -> bool {
+        self.overlay.is_some() || !self.passages.is_empty()
+    }
+
+    /// Share of the light that meets each patch that it sends on, by reflection and transmission; per
+    /// channel, from 0 to 1.
+    pub fn albedo(&self) -> Vec<Vec3> {
+        let mut albedo: Vec<Vec3> = self.patches.iter().map(|p| p.reflectance.0).collect();
+        for passage in &self.passages {
+            albedo[passage.from.0 as usize] += passage.transmittance;
+        }
+        albedo
+    }
 }

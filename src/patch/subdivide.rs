@@ -5,11 +5,14 @@
 //! no second sampling exists. Thin walls and doors that stand within a block divide it: `cuts`.
 
 use super::blocks::{Block, FaceBlocks, LIFT};
-use super::{Intervals, Patch, PatchGrid, PatchLookup, PatchSet, PolygonPatches};
+use super::{
+    Intervals, Overlay, Patch, PatchGrid, PatchLookup, PatchSet, PolygonPatches, Sheet, Tint,
+};
 use crate::photometry::{Exitance, Irradiance, Reflectance};
-use crate::scene::{Emitter, Sample, Scene, Surface, luxels};
-use glam::Vec3;
+use crate::scene::{Emitter, LuxelGrid, Sample, Scene, Surface, luxels};
+use glam::{Vec2, Vec3};
 use rayon::prelude::*;
+use std::sync::Arc;
 
 /// Patches of a map.
 #[derive(Debug, Default)]
@@ -27,6 +30,8 @@ pub struct MapPatches {
     pub first: Vec<u32>,
     /// Their luxel intervals.
     pub intervals: Intervals,
+    /// Share and colour of what each patch emits, where only parts of a surface do; empty for none.
+    pub glow: Vec<Vec3>,
 }
 
 /// Light that the patches of a map give off by themselves, in one style.
@@ -77,6 +82,11 @@ impl MapPatches {
             });
         }
         patches.set.lookup = PatchLookup::new(divisions);
+        let (polygons, panes) = scene.panes();
+        let sheet = |pane| Sheet { tint: Tint::Pane(pane), sides: [None; 2] };
+        let sheets = panes.into_iter().map(sheet).collect();
+        patches.set.passages = patches.passages(scene);
+        patches.set.overlay = Overlay::new(polygons, sheets, Vec::new()).map(Arc::new);
         patches
     }
 
@@ -98,12 +108,20 @@ impl MapPatches {
         for block in blocks {
             let centroid = (block.moment / block.area).as_vec2();
             let eye = luxels.world_of(centroid) + surface.normal * LIFT;
+            let here = super::PatchId(self.set.patches.len() as u32);
+            let points = || points_of(luxels, &block).filter(|&at| grid.at(at.x, at.y) == here);
+            let points = || points().map(|at| luxels.world_of(at));
+            let varied = scene.mean_reflectance(index, points());
+            if let Some(glow) = scene.mean_glow(index, points()) {
+                self.glow.resize(self.surface.len(), Vec3::ZERO);
+                self.glow.push(glow);
+            }
             self.set.patches.push(Patch {
                 eye: free_eye(scene, surface, eye, &samples[index], &block),
                 normal: surface.normal,
                 area: (block.area * unit) as f32,
                 reflectance: if surface.reflects {
-                    surface.reflectance
+                    varied.map_or(surface.reflectance, Reflectance)
                 } else {
                     Reflectance::default()
                 },
@@ -125,8 +143,11 @@ impl MapPatches {
             });
             let patches = self.first[e.surface as usize]..self.first[e.surface as usize + 1];
             for patch in patches {
-                styles[i].exitance[patch as usize] += e.exitance;
-                styles[i].bouncing[patch as usize] += e.exitance * e.bounce_scale;
+                let patch = patch as usize;
+                let share = if e.varied { self.glow.get(patch) } else { None };
+                let exitance = share.map_or(e.exitance, |&share| Exitance(e.exitance.0 * share));
+                styles[i].exitance[patch] += exitance;
+                styles[i].bouncing[patch] += exitance * e.bounce_scale;
             }
         }
         styles
@@ -148,6 +169,17 @@ impl MapPatches {
             })
             .collect()
     }
+}
+
+/// Luxel coordinates spread evenly around the luxels of a block.
+fn points_of<'a>(luxels: &'a LuxelGrid, block: &'a Block) -> impl Iterator<Item = Vec2> + 'a {
+    const ACROSS: u32 = 8;
+    block.luxels.iter().flat_map(move |&(luxel, _)| {
+        (0..ACROSS * ACROSS).map(move |k| {
+            let [x, y] = [k % ACROSS, k / ACROSS].map(|k| (k as f32 + 0.5) / ACROSS as f32 - 0.5);
+            Vec2::new(x + (luxel % luxels.width) as f32, y + (luxel / luxels.width) as f32)
+        })
+    })
 }
 
 /// `eye`, or if that is inside solid or in a divided block the position of the patch's nearest luxel that

@@ -2,6 +2,7 @@
 //!
 //! Complaints here are plain strings; the reader adds the file and the line.
 
+use super::text_effects::PatchEffects;
 use super::text_scene::{CameraSpec, Quad, Reading};
 use glam::DVec3;
 
@@ -25,7 +26,7 @@ const UNIT_LENGTH: f64 = 1e-3;
 /// A normal may lean this far from the plane that the vertices span, in degrees.
 const NORMAL_LEAN: f64 = 1.0;
 
-type Checked<T> = Result<T, String>;
+pub(super) type Checked<T> = Result<T, String>;
 
 /// Refuses coordinates too large to compute with.
 pub(super) fn check_range(points: &[DVec3]) -> Checked<()> {
@@ -151,6 +152,13 @@ fn check_shape(v: &[DVec3; 4]) -> Checked<DVec3> {
     }
 }
 
+/// Share of the light of a channel that a patch does not absorb.
+fn sent_on(quad: &Quad, channel: usize) -> f64 {
+    let PatchEffects { straight, diffuse, .. } = quad.effects;
+    let of = |share: Option<[f64; 3]>| share.map_or(0.0, |s| s[channel]);
+    quad.reflectance[channel] + of(straight) + of(diffuse)
+}
+
 /// Refuses light values out of range. `Reading::Lit` lets the second triple grow past 1, because
 /// it is a final exitance there.
 pub(super) fn check_light(exitance: [f64; 3], second: [f64; 3], reading: Reading) -> Checked<()> {
@@ -173,12 +181,18 @@ pub(super) fn check_light(exitance: [f64; 3], second: [f64; 3], reading: Reading
 /// If some channel is absorbed by no patch at all, lowers the reflectances in it to
 /// [`MAX_REFLECTANCE`] and says so. A reflectance of 1 is left alone where another patch absorbs.
 pub(super) fn let_light_settle(patches: &mut [Quad]) -> Option<String> {
-    let channels: Vec<usize> = (0..3)
-        .filter(|&i| patches.iter().all(|quad| quad.reflectance[i] > MAX_REFLECTANCE))
-        .collect();
+    let channels: Vec<usize> =
+        (0..3).filter(|&i| patches.iter().all(|quad| sent_on(quad, i) > MAX_REFLECTANCE)).collect();
     for quad in patches {
         for &i in &channels {
-            quad.reflectance[i] = MAX_REFLECTANCE;
+            // Light that passes straight through has not met the patch.
+            match quad.effects.diffuse.as_mut().filter(|t| t[i] > 0.0) {
+                Some(diffuse) => {
+                    diffuse[i] *= MAX_REFLECTANCE;
+                    quad.reflectance[i] *= MAX_REFLECTANCE;
+                }
+                None => quad.reflectance[i] = quad.reflectance[i].min(MAX_REFLECTANCE),
+            }
         }
     }
     let names: Vec<&str> = channels.iter().map(|&i| ["red", "green", "blue"][i]).collect();

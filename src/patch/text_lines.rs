@@ -35,7 +35,7 @@ pub(super) fn lines(text: &str) -> impl Iterator<Item = Line<'_>> {
     })
 }
 
-impl Line<'_> {
+impl<'a> Line<'a> {
     /// Exactly `N` finite numbers; `what` names them in the complaint.
     pub fn floats<const N: usize>(&self, what: &str) -> std::result::Result<[f64; N], String> {
         self.parse_all(what, |token| {
@@ -58,6 +58,23 @@ impl Line<'_> {
         })
     }
 
+    /// The line up to its word number `count`, and the words from there if the first of them is none that
+    /// could be a number.
+    pub fn words_after(&self, count: usize) -> (Self, &'a str) {
+        let word = self.content.split_whitespace().nth(count);
+        let Some(word) = word.filter(|w| w.starts_with(|c: char| c.is_ascii_alphabetic())) else {
+            return (*self, "");
+        };
+        let number = word.parse::<f64>().is_ok();
+        // Both are parts of one string.
+        let at = word.as_ptr() as usize - self.content.as_ptr() as usize;
+        if number {
+            (*self, "")
+        } else {
+            (Self { content: &self.content[..at], ..*self }, &self.content[at..])
+        }
+    }
+
     fn parse_all<T: Copy + Default, const N: usize>(
         &self,
         what: &str,
@@ -76,7 +93,7 @@ impl Line<'_> {
 }
 
 /// The start of a word, fit for a one-line message.
-fn excerpt(token: &str) -> String {
+pub(super) fn excerpt(token: &str) -> String {
     let mut shown: String = token.chars().take(24).collect::<String>().escape_debug().collect();
     if token.chars().nth(24).is_some() {
         shown.push_str("...");

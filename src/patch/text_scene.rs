@@ -4,7 +4,9 @@
 //! Numbers stay in double precision and are written with the fewest digits that read back to the
 //! same value, so what a program does not change comes out with the value it came in with.
 
+use super::Pattern;
 use super::text_check::{check_camera, check_light, check_quad, check_sizes, let_light_settle};
+use super::text_effects::PatchEffects;
 use super::text_lines::{Line, lines, place};
 use crate::{Error, Result};
 use glam::DVec3;
@@ -51,7 +53,7 @@ impl CameraSpec {
 }
 
 /// A flat convex diffuse patch. Light meets it and leaves it on the side of its normal; its back
-/// only blocks.
+/// only blocks, unless its [`PatchEffects`] say otherwise.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Quad {
     /// Corners, counter-clockwise seen from the side of the normal. Two may coincide.
@@ -65,6 +67,8 @@ pub struct Quad {
     /// one patch of a scene stays at or below [`super::MAX_REFLECTANCE`].
     /// In a lit scene the final exitance is here instead: from 0 up, not clamped.
     pub reflectance: [f64; 3],
+    /// What else it does to light; nothing by default.
+    pub effects: PatchEffects,
 }
 
 impl Quad {
@@ -165,12 +169,17 @@ impl TextScene {
 
             let missing = format!("exitance and reflectance of patch {}", patches.len());
             line = next(&missing)?;
+            let (numbers, words) = line.words_after(6);
             let [r, g, b, second_r, second_g, second_b] =
-                line.floats("exitance and reflectance").map_err(at(line))?;
+                numbers.floats("exitance and reflectance").map_err(at(line))?;
             let (exitance, reflectance) = ([r, g, b], [second_r, second_g, second_b]);
             check_light(exitance, reflectance, reading).map_err(at(line))?;
+            let effects = PatchEffects::read(words, reading).map_err(at(line))?;
+            if reading == Reading::Raw {
+                effects.check(reflectance).map_err(at(line))?;
+            }
             let (vertices, normal) = (quad.vertices, quad.normal);
-            patches.push(Quad { vertices, normal, exitance, reflectance });
+            patches.push(Quad { vertices, normal, exitance, reflectance, effects });
             match next("another patch") {
                 Ok(another) => line = another,
                 Err(_) => break,
@@ -184,18 +193,32 @@ impl TextScene {
     }
 
     /// The lit scene: each patch's final exitance in place of its reflectance, and zeros in place
-    /// of its initial exitance. Values are kept as they are, above 1 too.
+    /// of its initial exitance. Values are kept as they are, above 1 too. `exitance` has one entry a
+    /// patch and then one for the back of each patch with two sides, in file order: means over the patch,
+    /// of which the file has the value where the shader's factor is 1.
     ///
     /// # Panics
-    /// If there is not one exitance a patch.
+    /// If there is not one exitance a side.
     pub fn lit(&self, exitance: &[[f64; 3]]) -> Self {
-        assert_eq!(exitance.len(), self.patches.len(), "one exitance a patch");
+        assert!(exitance.len() >= self.patches.len(), "one exitance a patch");
+        let (fronts, backs) = exitance.split_at(self.patches.len());
+        let mut backs = backs.iter().copied();
         let patches = self
             .patches
             .iter()
-            .zip(exitance)
-            .map(|(quad, &reflectance)| Quad { exitance: [0.0; 3], reflectance, ..*quad })
+            .zip(fronts)
+            .map(|(quad, &mean)| {
+                let pattern = quad.effects.shader.map(|s| Pattern::over(s, quad.vertices));
+                let shown = |mean: [f64; 3]| match &pattern {
+                    None => mean,
+                    Some(pattern) => pattern.over_mean(mean.into()).to_array(),
+                };
+                let back = quad.effects.has_two_sides().then(|| backs.next().expect("a back"));
+                let effects = quad.effects.lit(back.map(shown));
+                Quad { exitance: [0.0; 3], reflectance: shown(mean), effects, ..*quad }
+            })
             .collect();
+        assert_eq!(backs.next(), None, "one exitance a patch, and one a back");
         Self { patches, ..self.clone() }
     }
 
@@ -210,6 +233,11 @@ impl TextScene {
             let points = quad.vertices.iter().chain([&quad.normal]);
             write_floats(&mut text, points.flat_map(DVec3::to_array));
             write_floats(&mut text, quad.exitance.into_iter().chain(quad.reflectance));
+            if quad.effects != PatchEffects::default() {
+                text.pop();
+                quad.effects.write(&mut text);
+                text.push('\n');
+            }
         }
         text
     }
@@ -228,13 +256,20 @@ fn triples<const N: usize, const M: usize>(numbers: [f64; M]) -> [DVec3; N] {
     std::array::from_fn(|i| DVec3::from_slice(&numbers[3 * i..]))
 }
 
-/// Appends one line. Very small and very large numbers get an exponent instead of zeros.
+/// Appends one line.
 fn write_floats(text: &mut String, numbers: impl Iterator<Item = f64>) {
     for (i, x) in numbers.enumerate() {
-        let gap = if i == 0 { "" } else { " " };
-        let plain = x == 0.0 || (1e-5..1e16).contains(&x.abs());
-        // Writing to a String cannot fail.
-        let _ = if plain { write!(text, "{gap}{x}") } else { write!(text, "{gap}{x:e}") };
+        if i > 0 {
+            text.push(' ');
+        }
+        write_number(text, x);
     }
     text.push('\n');
+}
+
+/// Appends a number. Very small and very large ones get an exponent instead of zeros.
+pub(super) fn write_number(text: &mut String, x: f64) {
+    let plain = x == 0.0 || (1e-5..1e16).contains(&x.abs());
+    // Writing to a String cannot fail.
+    let _ = if plain { write!(text, "{x}") } else { write!(text, "{x:e}") };
 }

@@ -1,12 +1,12 @@
 //! Bouncing the light of a map: every light style over one set of transfers.
 
-use super::solve::{Limits, Sources, solve};
+use super::solve::{Limits, Sources, solve_with};
 use super::transfers::Transfers;
 use crate::light::StyleLight;
-use crate::patch::{Detail, Emission, MapPatches};
+use crate::patch::{Detail, Emission, MapPatches, PatchSet};
 use crate::photometry::{Exitance, Irradiance, Reflectance};
 use crate::scene::BounceSettings;
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 use std::borrow::Cow;
 use std::collections::BTreeSet;
 
@@ -19,6 +19,9 @@ pub struct PatchLight {
     pub exitance: Vec<Exitance>,
     /// Indirect irradiance of each patch: what it receives from that exitance.
     pub irradiance: Vec<Irradiance>,
+    /// Light that comes through from the other side, as the irradiance that would look the same on this
+    /// side; empty where none does.
+    pub passing: Vec<Irradiance>,
     /// How the exitance of luxel intervals differs from that of their patches.
     pub detail: Detail,
 }
@@ -45,6 +48,7 @@ pub fn bounce(
     limits: Limits,
     advance: impl Fn(u64),
 ) -> Bounced {
+    let passages = &patches.set.passages;
     let reflectance: Vec<Reflectance> = patches.set.patches.iter().map(|p| p.reflectance).collect();
     let mut bounced = Bounced::default();
     for style in styles(direct, emission) {
@@ -63,7 +67,7 @@ pub fn bounce(
         }
         let emitted = own.filter(|_| apart.is_none()).map_or(&dark, |e| &e.exitance);
         let sources = Sources { emission: emitted, direct: &arriving };
-        let mut solution = solve(transfers, &reflectance, sources, limits);
+        let mut solution = solve_with(transfers, &reflectance, passages, sources, limits);
         for (m, e) in solution.exitance.iter_mut().zip(apart.iter().flat_map(|a| &a.exitance)) {
             *m += *e;
         }
@@ -73,9 +77,16 @@ pub fn bounce(
         if solution.exitance.iter().all(|m| *m == Exitance::ZERO) {
             continue;
         }
+        let irradiance = received(transfers, &solution.exitance);
+        let passing = if limits.passes == Some(0) {
+            Vec::new()
+        } else {
+            passing(&patches.set, &irradiance, &of_lights)
+        };
         bounced.styles.push(PatchLight {
             style,
-            irradiance: received(transfers, &solution.exitance),
+            irradiance,
+            passing,
             detail: if limits.passes == Some(0) {
                 Vec::new()
             } else {
@@ -113,6 +124,23 @@ pub fn rule_emission(emission: &mut [Emission], rules: &BounceSettings) {
 fn received(transfers: &Transfers, exitance: &[Exitance]) -> Vec<Irradiance> {
     let exitance: Vec<DVec3> = exitance.iter().map(|m| m.0.as_dvec3()).collect();
     transfers.gather(&exitance).into_iter().map(|e| Irradiance(e.as_vec3())).collect()
+}
+
+/// Textures show exitance as reflected irradiance: what comes through looks as bright with this more.
+fn passing(set: &PatchSet, bounced: &[Irradiance], direct: &[Irradiance]) -> Vec<Irradiance> {
+    /// Surfaces that reflect nothing would have to be lit without end.
+    const LEAST: Vec3 = Vec3::splat(0.05);
+    if set.passages.is_empty() {
+        return Vec::new();
+    }
+    let mut passing = vec![Irradiance::ZERO; bounced.len()];
+    for p in &set.passages {
+        let (from, to) = (p.from.0 as usize, p.to.0 as usize);
+        let arriving = bounced[from].0 + direct[from].0;
+        let reflectance = set.patches[to].reflectance.0.max(LEAST);
+        passing[to] += Irradiance(arriving * p.transmittance / reflectance);
+    }
+    passing
 }
 
 /// The styles that [`bounce`] solves.

@@ -7,7 +7,7 @@ use crate::photometry::Exitance;
 pub struct Importance {
     /// Exitance of each patch over the mean that patches reflect, at least 1.
     pub(super) exitance: Vec<f64>,
-    /// Largest reflectance of each patch over the channels.
+    /// Largest share of light that each patch sends on, over the channels.
     pub(super) reflectance: Vec<f64>,
 }
 
@@ -25,11 +25,7 @@ impl Importance {
         };
         Self {
             exitance: exitance.iter().map(relative).collect(),
-            reflectance: patches
-                .patches
-                .iter()
-                .map(|p| f64::from(p.reflectance.0.max_element()))
-                .collect(),
+            reflectance: patches.albedo().iter().map(|a| f64::from(a.max_element())).collect(),
         }
     }
 }

@@ -8,6 +8,8 @@ pub mod hemicube;
 pub mod importance;
 pub mod near_pairs;
 pub mod open_parts;
+pub mod overlay_pairs;
+mod overlay_view;
 pub mod pair_factor;
 pub mod per_ray;
 pub mod solve;

@@ -5,11 +5,12 @@
 use super::area_points::{Spread, spread};
 use super::hemicube::View;
 use super::importance::Importance;
+use super::overlay_pairs::{Shares, mean_share};
 use super::pair_factor::{Facing, Precision, Shape};
 use super::transfers::Gatherer;
 use super::view_pairs::{Pair, balance};
 use super::visibility::Occluders;
-use crate::patch::{PatchId, PatchSet};
+use crate::patch::{Overlay, PatchId, PatchSet};
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 use std::f64::consts::PI;
@@ -38,6 +39,8 @@ pub struct NearPairs<'a> {
     limits: NearLimits,
     /// Form factor of a typical cell of a hemicube.
     cell: f64,
+    /// Patches that are translucent: the overlay has them, not the rows. Empty for none.
+    translucent: Vec<bool>,
 }
 
 /// Form factor of a typical cell, of which a hemicube has `n`: 2 / n.
@@ -87,6 +90,11 @@ impl<'a> NearPairs<'a> {
         } else {
             shapes.into_par_iter().map(|shape| shape.uncovered(&occluders, lift)).collect()
         };
+        let mut translucent = Vec::new();
+        for (patch, _) in patches.overlay.iter().flat_map(|o| o.layer_patches()) {
+            translucent.resize(shapes.len(), false);
+            translucent[patch.0 as usize] = true;
+        }
         Self {
             shapes,
             copies,
@@ -95,7 +103,33 @@ impl<'a> NearPairs<'a> {
             importance,
             limits,
             cell: TYPICAL_CELL / cells as f64,
+            translucent,
         }
+    }
+
+    /// Whether row `i` matters at all: whether its patch sends light on.
+    pub(super) fn matters(&self, i: usize) -> bool {
+        self.importance.reflectance[i] > 0.0
+    }
+
+    /// Mean share of light from patch `j` to `i` that gets through what is translucent between the two;
+    /// `factor` is their form factor.
+    pub(super) fn through(&self, overlay: &Overlay, (i, j): (usize, usize), factor: f64) -> Shares {
+        let pair = Pair { guess: factor, ..Pair::seen(j as u32, factor) };
+        // Edges of what is translucent are many, and their errors add up.
+        let rays = (4 * self.precision(i, &pair).rays).next_power_of_two();
+        let shapes = (&self.shapes[i], &self.shapes[j]);
+        let seed = (i * 31 + j) as u32;
+        let hidden = |p, q| !self.occluders.is_empty() && !self.occluders.clear(p, q);
+        mean_share(overlay, shapes, PatchId(j as u32), (rays, self.lift, seed), hidden)
+    }
+
+    /// Form factor from patch `i` to the translucent patch `j`; `None` where there is none.
+    pub(super) fn layer_factor(&self, (i, j): (usize, usize), facing: &mut Facing) -> Option<f64> {
+        let mut pair = Pair::seen(j as u32, 0.0);
+        self.estimate(i, &mut pair);
+        let factor = self.closed(i, &pair, facing).filter(|_| pair.guess > 0.0)?.0;
+        (factor > 0.0).then_some(factor)
     }
 
     /// Buffers for [`Self::improve`].
@@ -153,7 +187,7 @@ impl<'a> NearPairs<'a> {
         for j in 0..self.shapes.len() {
             let factor = seen.next_if(|s| s.0.0 as usize == j).map_or(0.0, |s| s.1);
             let mut pair = Pair::seen(j as u32, factor);
-            if j != i {
+            if j != i && self.translucent.get(j) != Some(&true) {
                 self.estimate(i, &mut pair);
             }
             if factor > 0.0 || pair.guess > 0.0 {
@@ -312,17 +346,22 @@ impl<'a> NearPairs<'a> {
         (open - seen * share).max(0.0)
     }
 
-    /// The closed form of a pair and its uncertainty, as precise as its light asks for.
-    fn closed(&self, i: usize, pair: &Pair, facing: &mut Facing) -> Option<(f64, f64)> {
-        let j = pair.patch as usize;
+    /// How well the form factor of a pair has to be known.
+    fn precision(&self, i: usize, pair: &Pair) -> Precision {
         let share = self.light(i, pair) * pair.guess / self.limits.row;
         // Evenly spread rays err by about n^-0.7.
         let rays = (3.0 * share).powf(1.4).clamp(16.0, f64::from(self.limits.rays.max(16)));
-        let precision = Precision {
+        Precision {
             closed: (0.05 / share).min(1e-2),
             rays: rays as u32,
-            seed: (i * 31 + j) as u64,
-        };
+            seed: (i * 31 + pair.patch as usize) as u64,
+        }
+    }
+
+    /// The closed form of a pair and its uncertainty, as precise as its light asks for.
+    fn closed(&self, i: usize, pair: &Pair, facing: &mut Facing) -> Option<(f64, f64)> {
+        let j = pair.patch as usize;
+        let precision = self.precision(i, pair);
         let pair = (&self.shapes[i], &self.shapes[j]);
         let share = 1.0 / f64::from(self.copies[j]);
         let found = facing.factor(pair, &self.occluders, self.lift, precision);

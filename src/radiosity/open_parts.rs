@@ -27,7 +27,12 @@ pub struct Ground<'a> {
 
 /// The convex parts of `ground` from which anything but backs of polygons is seen; `None` where
 /// that is all of it. `occluders` are what can cover it.
-pub fn open_parts(ground: Ground<'_>, occluders: &Tracer) -> Option<Vec<Vec<DVec3>>> {
+/// Polygons that are `two_sided` have no back.
+pub fn open_parts(
+    ground: Ground<'_>,
+    occluders: &Tracer,
+    two_sided: impl Fn(u32) -> bool,
+) -> Option<Vec<Vec<DVec3>>> {
     let whole = area(ground.outline);
     let mut parts = vec![ground.outline.to_vec()];
     for contact in contacts(ground, occluders) {
@@ -42,7 +47,7 @@ pub fn open_parts(ground: Ground<'_>, occluders: &Tracer) -> Option<Vec<Vec<DVec
         }
     }
     let cut = parts.len() > 1;
-    parts.retain(|part| !covered(part, ground, occluders));
+    parts.retain(|part| !covered(part, ground, occluders, &two_sided));
     let open: f64 = parts.iter().map(|part| area(part)).sum();
     // Parts that are all open are as good as the whole.
     (parts.is_empty() || (cut && open < whole * (1.0 - 1e-9))).then_some(parts)
@@ -134,7 +139,12 @@ fn cut(part: &[DVec3], ground: Ground<'_>, [from, to]: [DVec3; 2]) -> Option<[Ve
 }
 
 /// Whether nothing but backs is seen from a part.
-fn covered(part: &[DVec3], ground: Ground<'_>, occluders: &Tracer) -> bool {
+fn covered(
+    part: &[DVec3],
+    ground: Ground<'_>,
+    occluders: &Tracer,
+    two_sided: &impl Fn(u32) -> bool,
+) -> bool {
     let on = Spread::new([part]);
     let tangent = ground.normal.any_orthonormal_vector();
     let bitangent = ground.normal.cross(tangent);
@@ -149,6 +159,7 @@ fn covered(part: &[DVec3], ground: Ground<'_>, occluders: &Tracer) -> bool {
             let hit = occluders.first_hit(origin.as_vec3(), direction, f32::INFINITY);
             hit.is_some_and(|hit| {
                 occluders.polygons()[hit.polygon as usize].normal.dot(direction) >= 0.0
+                    && !two_sided(hit.polygon)
             })
         })
     })
@@ -184,7 +195,7 @@ mod tests {
         polygons.push(polygon(sides.iter().map(|&p| at(p, top)).collect()));
         let floor = floor();
         let ground = Ground { outline: &floor, normal: DVec3::Z, lift: LIFT };
-        let parts = open_parts(ground, &Tracer::new(polygons))?;
+        let parts = open_parts(ground, &Tracer::new(polygons), |_| false)?;
         Some((parts.iter().map(|p| area(p)).sum(), parts.len()))
     }
 

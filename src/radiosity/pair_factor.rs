@@ -38,7 +38,8 @@ impl<'a> Shape<'a> {
     /// The same, with what `occluders` cover of it left out; `lift` as in [`Ground`].
     pub fn uncovered(mut self, occluders: &Occluders, lift: f64) -> Self {
         let ground = Ground { outline: self.outline, normal: self.normal, lift };
-        self.open = open_parts(ground, occluders.tracer());
+        self.open =
+            open_parts(ground, occluders.tracer(), |polygon| occluders.is_two_sided(polygon));
         self
     }
 

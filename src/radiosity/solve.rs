@@ -1,6 +1,8 @@
-//! Solving the radiosity equation M_i = E_i + rho_i (D_i + sum_j F_ij M_j) by passes of gathering.
+//! Solving the radiosity equation M_i = E_i + rho_i (D_i + sum_j F_ij M_j) by passes of gathering. Where
+//! light passes through sheets, M_i also has tau_k times what meets the other side k.
 
 use super::transfers::Transfers;
+use crate::patch::Passage;
 use crate::photometry::{Exitance, Irradiance, Reflectance};
 use glam::{DVec3, Vec3};
 
@@ -44,6 +46,18 @@ pub fn solve(
     sources: Sources<'_>,
     limits: Limits,
 ) -> Solution {
+    solve_with(transfers, reflectance, &[], sources, limits)
+}
+
+/// The same where light passes through patches diffusely: with `passages`, of which reflectance and
+/// transmittance together are below 1.
+pub fn solve_with(
+    transfers: &Transfers,
+    reflectance: &[Reflectance],
+    passages: &[Passage],
+    sources: Sources<'_>,
+    limits: Limits,
+) -> Solution {
     let mut total: Vec<DVec3> = sources.emission.iter().map(|m| limited(m.0)).collect();
     let mut unsent = total.clone();
     // Irradiance that the next pass reflects besides what the patches send each other.
@@ -67,8 +81,15 @@ pub fn solve(
         for (sum, e) in unsent.iter_mut().zip(direct.drain(..)) {
             *sum += e;
         }
-        for ((m, total), rho) in unsent.iter_mut().zip(&mut total).zip(reflectance) {
+        let through = |p: &Passage| p.transmittance.as_dvec3() * unsent[p.from.0 as usize];
+        let through: Vec<DVec3> = passages.iter().map(through).collect();
+        for (m, rho) in unsent.iter_mut().zip(reflectance) {
             *m *= rho.0.as_dvec3();
+        }
+        for (passage, light) in passages.iter().zip(through) {
+            unsent[passage.to.0 as usize] += light;
+        }
+        for (m, total) in unsent.iter().zip(&mut total) {
             *total += *m;
         }
         passes += 1;

@@ -5,6 +5,7 @@ mod estimate;
 
 use super::hemicube::{Cells, DeltaFormFactors, HemicubeSize, ItemBuffer, View};
 use super::near_pairs::NearPairs;
+use super::overlay_view::{self, OverlayView, Shown};
 use crate::patch::{PatchId, PatchSet, PolygonPatches};
 use crate::scene::{ShadowRays, Tracer};
 use glam::{DVec3, Vec3, Vec4};
@@ -39,6 +40,8 @@ struct Chunk {
     /// [`FAR`] moves on by that much and is no entry.
     steps: Vec<u16>,
     weights: Vec<f32>,
+    /// What an overlay adds to each row; empty without one.
+    overlay: Vec<Vec<(u32, Vec3)>>,
 }
 
 impl Chunk {
@@ -182,6 +185,7 @@ impl Transfers {
                     let patch = &patches.patches[i as usize];
                     gatherer.look(&View::turned(patch.eye, patch.normal, i.into()));
                     rows.push(gatherer.row(), gatherer.distances());
+                    rows.overlay.extend(gatherer.overlay_row());
                 }
                 advance(members.len() as u64);
                 rows.steps.shrink_to_fit();
@@ -204,11 +208,18 @@ impl Transfers {
     ) {
         let size = size.coarser();
         let delta = DeltaFormFactors::new(size);
-        let start = || (near.work(), Gatherer::new(tracer, patches, &delta, size), Vec::new());
+        let start = || {
+            (
+                near.work(),
+                Gatherer::new(tracer, patches, &delta, size).without_overlay(),
+                Vec::new(),
+            )
+        };
         self.chunks.par_iter_mut().enumerate().for_each_init(
             start,
             |(work, gatherer, row), (number, chunk)| {
-                let old = std::mem::take(chunk);
+                let mut old = std::mem::take(chunk);
+                chunk.overlay = std::mem::take(&mut old.overlay);
                 for k in 0..old.ends.len() {
                     row.clear();
                     row.extend(old.entries(k).map(|(j, f)| (PatchId(j), f64::from(f))));
@@ -251,6 +262,25 @@ impl Transfers {
         self.entries(row).unzip()
     }
 
+    /// What an overlay adds to the form factors of a row, per channel, by ascending patch: positive for
+    /// translucent patches, negative for those behind them. Empty without one.
+    pub fn overlay_row(&self, row: usize) -> &[(u32, Vec3)] {
+        let at = self.row_of[row] as usize;
+        self.chunks[at / CHUNK].overlay.get(at % CHUNK).map_or(&[], |row| row)
+    }
+
+    /// Replaces what an overlay adds to each row, where all rows were drawn.
+    ///
+    /// # Panics
+    /// If there is not one entry a row.
+    pub fn set_overlay_rows(&mut self, rows: Vec<Vec<(u32, Vec3)>>) {
+        assert_eq!(rows.len(), self.stored(), "one entry a row");
+        let mut rows = rows.into_iter();
+        for chunk in &mut self.chunks {
+            chunk.overlay = rows.by_ref().take(chunk.ends.len()).collect();
+        }
+    }
+
     /// Damage for tests: patch `row` sees nothing.
     #[cfg(test)]
     pub(crate) fn clear_row(&mut self, row: usize) {
@@ -277,7 +307,14 @@ impl Transfers {
         let rows: Vec<Vec<DVec3>> = self
             .chunks
             .par_iter()
-            .map(|chunk| (0..chunk.ends.len()).map(|i| chunk.sum(i, exitance)).collect())
+            .map(|chunk| {
+                let mut rows: Vec<DVec3> =
+                    (0..chunk.ends.len()).map(|i| chunk.sum(i, exitance)).collect();
+                for (sum, row) in rows.iter_mut().zip(&chunk.overlay) {
+                    *sum += overlay_view::gather(row, exitance);
+                }
+                rows
+            })
             .collect();
         self.row_of.iter().map(|&at| rows[at as usize / CHUNK][at as usize % CHUNK]).collect()
     }
@@ -299,6 +336,7 @@ pub struct Gatherer<'a> {
     /// A bit for each patch that has a sum.
     touched: Vec<u64>,
     row: Vec<(PatchId, f64)>,
+    overlay: Option<OverlayView<'a>>,
 }
 
 impl<'a> Gatherer<'a> {
@@ -317,7 +355,14 @@ impl<'a> Gatherer<'a> {
             sums: vec![0.0; patches.patches.len()],
             touched: vec![0; patches.patches.len().div_ceil(64)],
             row: Vec::new(),
+            overlay: OverlayView::new(patches),
         }
+    }
+
+    /// The same without what an overlay adds.
+    pub fn without_overlay(mut self) -> Self {
+        self.overlay = None;
+        self
     }
 
     /// Draws the hemicube of `view`; the other functions tell what it shows.
@@ -338,11 +383,32 @@ impl<'a> Gatherer<'a> {
                 row.push((PatchId(patch as u32), std::mem::take(&mut sums[patch])));
             }
         }
+        self.look_at_overlay(view);
+    }
+
+    fn look_at_overlay(&mut self, view: &View) {
+        if let Some(overlay) = &mut self.overlay {
+            let (buffer, tracer) = (&self.buffer, self.tracer);
+            let (patches, delta) = (self.patches, self.delta);
+            overlay.look(Shown { buffer, tracer, patches, delta }, view);
+        }
+    }
+
+    /// What an overlay adds to what the last look showed, per channel, by ascending patch.
+    pub fn overlay(&self) -> &[(PatchId, DVec3)] {
+        self.overlay.as_ref().map_or(&[], OverlayView::row)
+    }
+
+    /// What an overlay adds to [`row`](Self::row), as [`Transfers::overlay_row`] has it; `None` without.
+    fn overlay_row(&self) -> Option<Vec<(u32, Vec3)>> {
+        let row = self.overlay.as_ref()?.row();
+        Some(row.iter().map(|&(patch, f)| (patch.0, f.as_vec3())).collect())
     }
 
     /// Draws the hemicube of `view` and calls `visit(patch, interval, form factor)` for what it shows, in
     /// a fixed order; patches come up many times. Luxel intervals, of those of the map, are told up to
-    /// depth `reach`. Afterwards only [`distances`](Self::distances) knows of this look.
+    /// depth `reach`. Afterwards only [`distances`](Self::distances) and [`overlay`](Self::overlay) know
+    /// of this look.
     pub fn visit(
         &mut self,
         view: &View,
@@ -353,6 +419,7 @@ impl<'a> Gatherer<'a> {
         self.row.clear();
         let seen = (&self.buffer, self.tracer, self.patches, self.delta);
         for_each_patch(seen, view, reach, visit);
+        self.look_at_overlay(view);
     }
 
     /// Form factors from the point looked from to all patches seen, in ascending order of patch.
@@ -365,6 +432,11 @@ impl<'a> Gatherer<'a> {
         out.clear();
         out.resize(exitance.len(), DVec3::ZERO);
         for &(patch, f) in &self.row {
+            for (sum, style) in out.iter_mut().zip(exitance) {
+                *sum += style[patch.0 as usize].as_dvec3() * f;
+            }
+        }
+        for &(patch, f) in self.overlay() {
             for (sum, style) in out.iter_mut().zip(exitance) {
                 *sum += style[patch.0 as usize].as_dvec3() * f;
             }

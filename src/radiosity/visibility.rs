@@ -9,6 +9,8 @@ use glam::{DVec3, Vec3};
 pub struct Occluders {
     tracer: Tracer,
     shapes: Vec<OccluderShape>,
+    /// Polygons whose back is the front of another in the same place.
+    two_sided: Vec<bool>,
     /// Lengths below this are rounding errors, in world units.
     slack: f64,
 }
@@ -45,16 +47,26 @@ const SLACK: f64 = 1e-6;
 impl Occluders {
     /// Finds them among the polygons of a scene.
     pub fn new(scene: &Tracer) -> Self {
+        Self::with_sheets(scene, &[])
+    }
+
+    /// The same where some polygons are the two sides of a sheet, back to back in one place; true for
+    /// those, none left out or empty for none.
+    pub fn with_sheets(scene: &Tracer, sheets: &[bool]) -> Self {
         let extent = scene.nodes().first().map_or(0.0, |n| (n.max - n.min).max_element());
         let slack = SLACK * f64::from(extent);
-        let polygons: Vec<Polygon> = scene
-            .polygons()
-            .iter()
-            .filter(|p| something_behind(scene, p, slack as f32))
-            .cloned()
+        let found: Vec<usize> = (0..scene.polygons().len())
+            .filter(|&i| something_behind(scene, &scene.polygons()[i], slack as f32))
             .collect();
+        let polygons: Vec<Polygon> = found.iter().map(|&i| scene.polygons()[i].clone()).collect();
         let shapes = polygons.iter().map(OccluderShape::new).collect();
-        Self { tracer: Tracer::new(polygons), shapes, slack }
+        let two_sided = found.iter().map(|&i| sheets.get(i) == Some(&true)).collect();
+        Self { tracer: Tracer::new(polygons), shapes, two_sided, slack }
+    }
+
+    /// Whether something is to be seen of a polygon from its back.
+    pub fn is_two_sided(&self, polygon: u32) -> bool {
+        self.two_sided[polygon as usize]
     }
 
     /// Whether nothing can hide anything.
@@ -82,26 +94,31 @@ impl Occluders {
     /// Whether any occluder may reach into the space between two convex polygons: into their convex
     /// hull, in front of both. Never false when one does.
     pub fn between(&self, shaft: &Shaft) -> bool {
-        let nodes = self.tracer.nodes();
-        if nodes.is_empty() {
-            return false;
-        }
-        let mut stack = vec![0u32];
-        while let Some(index) = stack.pop() {
-            let node = &nodes[index as usize];
-            if shaft.misses_box(node, self.slack) {
-                continue;
-            }
-            if node.count == 0 {
-                stack.extend([node.first, node.first + 1]);
-            } else if (node.first..node.first + node.count)
-                .any(|slot| !shaft.misses(self.tracer.polygon(slot).0, self.slack))
-            {
-                return true;
-            }
-        }
-        false
+        any_between(&self.tracer, shaft, self.slack)
     }
+}
+
+/// Whether any polygon reaches into the shaft by more than `slack`. Never false when one does.
+pub(super) fn any_between(tracer: &Tracer, shaft: &Shaft, slack: f64) -> bool {
+    let nodes = tracer.nodes();
+    if nodes.is_empty() {
+        return false;
+    }
+    let mut stack = vec![0u32];
+    while let Some(index) = stack.pop() {
+        let node = &nodes[index as usize];
+        if shaft.misses_box(node, slack) {
+            continue;
+        }
+        if node.count == 0 {
+            stack.extend([node.first, node.first + 1]);
+        } else if (node.first..node.first + node.count)
+            .any(|slot| !shaft.misses(tracer.polygon(slot).0, slack))
+        {
+            return true;
+        }
+    }
+    false
 }
 
 /// Whether a corner of the scene lies behind the plane of `polygon`.

@@ -1,4 +1,5 @@
-//! Flat-shaded drawing of patches with a depth buffer.
+//! Flat-shaded drawing of patches with a depth buffer. Translucent patches are laid over the finished
+//! picture, the farthest first.
 //!
 //! A pixel belongs to a patch if the ray through its centre passes inside all edges of the patch,
 //! tested on the planes through the eye and each edge in camera space. These tests need no clipping
@@ -7,7 +8,7 @@
 //! them.
 
 use super::Camera;
-use crate::patch::Quad;
+use crate::patch::{Pattern, Quad};
 use crate::{Error, Result};
 use glam::DVec3;
 use image::{Rgb, RgbImage};
@@ -18,8 +19,8 @@ pub const MAX_PIXELS: u64 = 1 << 26;
 
 /// Draws `patches` as `camera` sees them. A patch has the colour of its exitance plus the second
 /// triple of its file, times `exposure` (1 shows values as they are), clamped to 0..1 and times 255: the final exitance in a lit scene, full
-/// brightness in a raw one. Backs of patches and the background are black; backs hide what lies
-/// behind them. Of patches in one plane the first is seen.
+/// brightness in a raw one. Backs of patches with one side and the background are black; backs hide what
+/// lies behind them. Of patches in one plane the first is seen.
 ///
 /// # Errors
 /// [`Error::Limit`] if the picture has more than [`MAX_PIXELS`].
@@ -35,33 +36,63 @@ pub fn draw_patches(patches: &[Quad], camera: &Camera, exposure: f64) -> Result<
     }
     let mut image = RgbImage::new(camera.width, camera.height);
     let mut depths = vec![f32::INFINITY; pixels as usize];
-    for quad in patches {
-        draw_quad(quad, camera, exposure, &mut image, &mut depths);
+    let (translucent, opaque): (Vec<_>, Vec<_>) =
+        patches.iter().partition(|quad| quad.effects.is_translucent());
+    for quad in opaque {
+        draw_quad(quad, camera, exposure, |x, y, depth, colour| {
+            let slot = &mut depths[y as usize * camera.width as usize + x as usize];
+            if depth < *slot {
+                *slot = depth;
+                image.put_pixel(x, y, Rgb(colour.map(level)));
+            }
+        });
+    }
+    let mut layers = Vec::new();
+    for quad in translucent {
+        let share = quad.effects.straight.expect("it is translucent");
+        draw_quad(quad, camera, exposure, |x, y, depth, colour| {
+            if depth < depths[y as usize * camera.width as usize + x as usize] {
+                layers.push(((y, x), depth, colour, share));
+            }
+        });
+    }
+    layers.sort_by(|a, b| a.0.cmp(&b.0).then(b.1.total_cmp(&a.1)));
+    for ((y, x), _, colour, share) in layers {
+        let behind = image.get_pixel(x, y).0;
+        let over = |i: usize| level(colour[i] + share[i] * f64::from(behind[i]) / 255.0);
+        image.put_pixel(x, y, Rgb(std::array::from_fn(over)));
     }
     Ok(image)
 }
 
+/// Calls `draw(x, y, depth, colour)` for every pixel of a patch.
 fn draw_quad(
     quad: &Quad,
     camera: &Camera,
     exposure: f64,
-    image: &mut RgbImage,
-    depths: &mut [f32],
+    mut draw: impl FnMut(u32, u32, f32, [f64; 3]),
 ) {
     let mut corners = quad.vertices.map(|v| camera.to_camera(v));
     let mut normal = (corners[2] - corners[0]).cross(corners[3] - corners[1]);
     // (right, up, depth) is a left-handed space, so this normal points away from the lit side.
     let facing = normal.dot(corners[0]);
     let colour = if facing > 0.0 {
-        front_colour(quad, exposure)
+        shown(quad.exitance, quad.reflectance, exposure)
     } else if facing < 0.0 {
         corners.reverse();
         normal = -normal;
-        Rgb([0; 3])
+        match quad.effects.back {
+            Some(back) => shown([0.0; 3], back, exposure),
+            None if quad.effects.has_two_sides() => {
+                shown(quad.exitance, quad.reflectance, exposure)
+            }
+            None => [0.0; 3],
+        }
     } else {
         return; // Seen edge-on, it covers nothing.
     };
 
+    let pattern = quad.effects.shader.map(|s| Pattern::over(s, quad.vertices));
     let edges: [DVec3; 4] = std::array::from_fn(|i| corners[i].cross(corners[(i + 1) % 4]));
     let offset = normal.dot(corners[0]);
     let (columns, rows) = bounds(&corners, camera);
@@ -72,22 +103,28 @@ fn draw_quad(
             if edges.iter().any(|edge| edge.dot(ray) < 0.0) {
                 continue;
             }
-            let depth = (offset / normal.dot(ray)) as f32;
-            let slot = &mut depths[y as usize * camera.width as usize + x as usize];
-            if depth > 0.0 && depth < *slot {
-                *slot = depth;
-                image.put_pixel(x, y, colour);
+            let distance = offset / normal.dot(ray);
+            let depth = distance as f32;
+            if depth > 0.0 {
+                let colour = pattern.as_ref().map_or(colour, |pattern| {
+                    let way = camera.right * ray.x + camera.up * ray.y + camera.forward * ray.z;
+                    let factor = pattern.factor(camera.position + way * distance);
+                    std::array::from_fn(|i| colour[i] * factor[i])
+                });
+                draw(x, y, depth, colour);
             }
         }
     }
 }
 
-/// Colour of the lit side: one formula for raw and lit scenes.
-fn front_colour(quad: &Quad, exposure: f64) -> Rgb<u8> {
-    Rgb(std::array::from_fn(|i| {
-        (((quad.exitance[i] + quad.reflectance[i]) * exposure).clamp(0.0, 1.0) * 255.0).round()
-            as u8
-    }))
+/// Light that a side is drawn with: one formula for raw and lit scenes.
+fn shown(exitance: [f64; 3], second: [f64; 3], exposure: f64) -> [f64; 3] {
+    std::array::from_fn(|i| (exitance[i] + second[i]) * exposure)
+}
+
+/// Level of a channel: 1 is white.
+fn level(light: f64) -> u8 {
+    (light.clamp(0.0, 1.0) * 255.0).round() as u8
 }
 
 /// The pixels that a quad in camera space may cover, as columns and rows.

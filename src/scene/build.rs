@@ -3,6 +3,7 @@
 use super::Scene;
 use super::backed::is_backed;
 use super::effects::{self, Parts, Switches};
+use super::emission;
 use super::entity_lights;
 use super::extremes;
 use super::face_reader::FaceReader;
@@ -11,6 +12,7 @@ use super::light_grid::LightGrid;
 use super::light_list;
 use super::lights::Attenuation;
 use super::luxel_size::{LuxelSettings, LuxelSizes};
+use super::material_file::MaterialFile;
 use super::materials::Materials;
 use super::models::{self, Model};
 use super::neighbours::Neighbours;
@@ -88,7 +90,12 @@ impl Scene {
         if entities.is_empty() {
             entities.push(Entity::default());
         }
-        entities.extend(rad::entities(sidecar.rad.unwrap_or(""), &mut warnings));
+        let nothing = MaterialFile::default();
+        let file = sidecar.materials.unwrap_or(&nothing);
+        let listed = rad::entities(sidecar.rad.unwrap_or(""), &mut warnings);
+        let shines = |e: &Entity| file.of(e.get("_surface").unwrap_or("")).emission.is_some();
+        // What a material file says of a texture replaces lines for it.
+        entities.extend(listed.into_iter().filter(|e| file.is_empty() || !shines(e)));
         entities.extend(parse_entities(sidecar.lights.unwrap_or("").as_bytes())?);
         let worldspawn = overrides::apply(&entities[0], &settings.overrides);
         // The world as a model has keys too.
@@ -106,19 +113,29 @@ impl Scene {
         smooth_models(bsp, &models, &mut keys);
         let wanted = settings.luxels.clone().or_of_map(&worldspawn);
         let sizes = LuxelSizes::new(bsp, world.luxel_size, &wanted, &mut warnings);
-        let mut faces = FaceReader::new(bsp, &models, &keys, &materials, (&world, sizes));
+        let given = (file, &settings.textures[..]);
+        let mut faces = FaceReader::new(bsp, &models, &keys, &materials, (&world, sizes), given);
         faces.samples_a_luxel = u64::from(settings.extra).pow(2);
         for face in 0..bsp.faces.len() {
             faces.read(face)?;
         }
         faces.warn(&mut warnings);
         let FaceReader {
-            mut surfaces, shapes, luxel_maps, names, groups, wishes, emissive, ..
+            mut surfaces,
+            shapes,
+            luxel_maps,
+            names,
+            groups,
+            wishes,
+            emissive,
+            shadings,
+            ..
         } = faces;
         // Fences may have no pixels that are seen.
         let walls = surfaces.iter().filter(|s| s.reflects && s.role == Role::Solid);
         materials.warn(walls.filter_map(|s| s.texture), &mut warnings);
 
+        emission::add_lights(&mut entities, (file, bsp), &materials);
         let smoothing = Smoothing::new(bsp, &shapes, &wishes);
         let mut drafts =
             entity_lights::read(&entities, bsp, &settings.textures, &world, &mut warnings);
@@ -134,6 +151,7 @@ impl Scene {
             area_lights: settings.area_lights,
         };
         let mut emitters = surface_lights::add_copies(&mut drafts, &light_faces, &mut warnings)?;
+        emitters.extend(emission::emitters(&names, file, &surfaces));
         world.dirt.in_use |= drafts.iter().any(|d| d.light.dirt.wanted);
         let (mut radiosity_lights, glows) = radiosity_lights::build(
             &drafts,
@@ -161,7 +179,6 @@ impl Scene {
             suns: &mut suns,
             emitters: &mut emitters,
             world: &mut world,
-            names: &names,
         };
         effects::apply(&settings.switches, &mut parts);
 
@@ -170,13 +187,8 @@ impl Scene {
         let (mut tracer, tracer_surface) = build_tracer(&surfaces);
         let is_sky = |&s: &u32| surfaces[s as usize].role == Role::Sky;
         let sky = Sky::new(tracer.polygons(), tracer_surface.iter().map(is_sky).collect());
-        let casters = Casters {
-            bsp,
-            surfaces: &surfaces,
-            names: &names,
-            models: &models,
-            textures: &settings.textures,
-        };
+        let casters =
+            Casters { bsp, surfaces: &surfaces, models: &models, textures: &settings.textures };
         let mut obstacles = casters.obstacles(&tracer, &tracer_surface);
         let (bounce_tracer, of) = match &mut obstacles {
             Some(obstacles) => obstacles.tracer_and_surfaces(),
@@ -184,7 +196,7 @@ impl Scene {
         };
         let backed = |&s: &u32| surfaces.get(s as usize).is_some_and(|s| is_backed(s, &solid));
         bounce_tracer.set_backed(&of.iter().map(backed).collect::<Vec<_>>(), Arc::clone(&solid));
-        let filters = Filters::new(bsp, &surfaces, &names, &models, settings, &mut warnings);
+        let filters = Filters::new(bsp, &surfaces, &models, settings, &mut warnings);
         Ok(Self {
             surfaces,
             models,
@@ -206,6 +218,7 @@ impl Scene {
             names,
             shapes,
             neighbours: Neighbours::new(bsp, &smoothing),
+            shadings,
             obstacles,
             smoothing,
             luxel_maps,

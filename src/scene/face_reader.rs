@@ -2,18 +2,22 @@
 
 use super::luxel_grid;
 use super::luxel_size::{LuxelSize, LuxelSizes};
+use super::material_file::MaterialFile;
 use super::materials::Materials;
 use super::minlight::Minlight;
 use super::models::{Model, ShadowClass};
 use super::obstacles::is_fence;
 use super::phong::Wish;
+use super::shading::Shading;
 use super::shape::{AREA_EPS, LuxelMap, Shape, area_and_centre};
 use super::sidecar::{SurflightKeys, TexInfoKeys};
 use super::surface::{LuxelGrid, Role, Surface};
+use super::texels::Texels;
 use super::world::WorldSettings;
-use crate::bsp::{Bsp, TexInfo};
+use crate::bsp::{Bsp, MipTex, TexInfo};
 use crate::{Error, Result};
 use glam::Vec3;
+use std::sync::Arc;
 
 /// Bit of the texinfo flags that says "no lightmap".
 const TEX_SPECIAL: i32 = 1;
@@ -29,6 +33,9 @@ pub(super) struct FaceReader<'a> {
     materials: &'a Materials,
     world: &'a WorldSettings,
     sizes: LuxelSizes<'a>,
+    /// What a material file says, and the pixels that the map may lack.
+    pub file: &'a MaterialFile,
+    pub textures: &'a [MipTex],
     owners: Vec<Option<u32>>,
     pub surfaces: Vec<Surface>,
     pub shapes: Vec<Shape>,
@@ -37,6 +44,7 @@ pub(super) struct FaceReader<'a> {
     pub groups: Vec<i32>,
     pub wishes: Vec<Wish>,
     pub emissive: Vec<SurflightKeys>,
+    pub shadings: Vec<Option<Shading>>,
     pub samples_a_luxel: u64,
     sample_count: u64,
     degenerate: Problem,
@@ -50,6 +58,7 @@ impl<'a> FaceReader<'a> {
         keys: &'a [TexInfoKeys],
         materials: &'a Materials,
         (world, sizes): (&'a WorldSettings, LuxelSizes<'a>),
+        (file, textures): (&'a MaterialFile, &'a [MipTex]),
     ) -> Self {
         let mut owners = vec![None; bsp.faces.len()];
         for (index, model) in bsp.models.iter().enumerate() {
@@ -66,6 +75,8 @@ impl<'a> FaceReader<'a> {
             materials,
             world,
             sizes,
+            file,
+            textures,
             owners,
             surfaces: Vec::new(),
             shapes: Vec::new(),
@@ -74,6 +85,7 @@ impl<'a> FaceReader<'a> {
             groups: Vec::new(),
             wishes: Vec::new(),
             emissive: Vec::new(),
+            shadings: Vec::new(),
             samples_a_luxel: 1,
             sample_count: 0,
             degenerate: Problem::default(),
@@ -102,9 +114,19 @@ impl<'a> FaceReader<'a> {
         if !sound {
             self.degenerate.count(&vertices);
         }
+        let material = self.file.of(&name);
+        let fence = material.alpha_test.unwrap_or(name.starts_with('{'));
         let alpha = keys.light_alpha.or(model.and_then(|m| m.alpha)).unwrap_or(1.0);
+        // Some light passes: glass, whatever share it is.
+        let alpha = material
+            .transmission
+            .map_or(alpha, |t| (1.0 - t.element_sum() / 3.0).clamp(0.0, 1.0 - f32::EPSILON));
         let mask = keys.channel_mask.unwrap_or(model.map_or(1, |m| m.channel_mask));
-        let role = if sound { role(&name, owner, model, keys, alpha, mask) } else { Role::Ghost };
+        let role = if sound {
+            role((&name, fence), owner, model, keys, (alpha, mask))
+        } else {
+            Role::Ghost
+        };
 
         let lightmapped = sound
             && owner.is_some()
@@ -129,9 +151,12 @@ impl<'a> FaceReader<'a> {
             });
         }
         let texture = texinfo.and_then(|t| u32::try_from(t.miptex).ok());
-        let no_bounce = keys.no_bounce || model.is_some_and(|m| m.no_bounce);
+        let no_bounce = match material.bounce {
+            Some(bounce) => !bounce,
+            None => keys.no_bounce || model.is_some_and(|m| m.no_bounce),
+        };
         // Fences among the filters: slats stand for them, see `obstacles`.
-        let blocks = role == Role::Solid || is_fence(&name, (role, alpha, mask), model);
+        let blocks = role == Role::Solid || is_fence(fence, (role, alpha, mask), model);
         let reflects = blocks && luxels.is_some() && !no_bounce && !name.starts_with('*');
         let special = texinfo.is_none_or(|t| t.flags & TEX_SPECIAL != 0);
         let wish = Wish::new(keys, special);
@@ -143,12 +168,23 @@ impl<'a> FaceReader<'a> {
             offset,
             texture,
             texture_axes: texinfo.map_or([Vec3::ZERO; 2], |t| [t.s.truncate(), t.t.truncate()]),
-            reflectance: self.materials.of(texture),
+            reflectance: if material.reflectance.is_some()
+                || material.diffuse_transmission.is_some()
+            {
+                self.materials.given(texture, &material)
+            } else {
+                self.materials.of(texture)
+            },
             reflects,
             role,
             opacity: alpha,
-            two_sided: keys.light_twosided.unwrap_or(name.starts_with('*'))
-                || model.and_then(|m| m.alpha).is_some_and(|a| a < 1.0),
+            transmission: material.transmission,
+            diffuse: material.diffuse_transmission.filter(|_| reflects),
+            fence,
+            two_sided: material.two_sided.unwrap_or_else(|| {
+                keys.light_twosided.unwrap_or(name.starts_with('*'))
+                    || model.and_then(|m| m.alpha).is_some_and(|a| a < 1.0)
+            }),
             light_ignore: keys.light_ignore || model.is_some_and(|m| m.light_ignore),
             channel_mask: mask,
             curved: wish.is_curved(),
@@ -159,6 +195,13 @@ impl<'a> FaceReader<'a> {
             luxels,
             vanilla_luxels,
         });
+        if !self.file.is_empty() {
+            self.shadings.push(texinfo.and_then(|texinfo| {
+                let find = || Texels::find(bsp, texture?, self.textures).map(Arc::new);
+                let mean = self.materials.colour(texture);
+                Shading::of(&material, find, ([texinfo.s, texinfo.t], offset, mean))
+            }));
+        }
         self.wishes.push(wish);
         self.emissive.push(keys.surflight.clone());
         self.groups.push(keys.surflight_group);
@@ -200,12 +243,11 @@ impl<'a> FaceReader<'a> {
 
 /// What a face does to light (contract section 7.2).
 fn role(
-    name: &str,
+    (name, fence): (&str, bool),
     owner: Option<u32>,
     model: Option<&Model>,
     keys: &TexInfoKeys,
-    alpha: f32,
-    mask: i32,
+    (alpha, mask): (f32, i32),
 ) -> Role {
     let Some(model) = model.filter(|m| m.casts() || mask != 1) else { return Role::Ghost };
     let opaque = matches!(model.shadow, ShadowClass::World | ShadowClass::Shadow);
@@ -215,7 +257,7 @@ fn role(
         || model.channel_mask != 1
         || mask != 1
         || alpha < 1.0
-        || name.starts_with('{')
+        || fence
     {
         Role::Filter
     } else if name.starts_with("sky") {

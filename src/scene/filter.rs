@@ -5,19 +5,21 @@ use super::Scene;
 use super::build::SceneSettings;
 use super::hull;
 use super::models::Model;
+use super::pane::{Pane, PaneColour};
 use super::surface::{Role, Surface};
 use super::texels::Texels;
 use super::tracer::{Polygon, Tracer};
 use crate::bsp::{Bsp, TexInfo};
 use glam::{Vec3, Vec4};
 use std::collections::HashMap;
+use std::sync::Arc;
 
 /// The polygons that filter light, apart from those that always block it.
 pub struct Filters {
     tracer: Tracer,
     /// By polygon of `tracer`.
     casters: Vec<Caster>,
-    textures: Vec<Texels>,
+    textures: Vec<Arc<Texels>>,
 }
 
 /// How one polygon filters.
@@ -28,6 +30,8 @@ struct Caster {
     normal: Vec3,
     /// Opacity, 1 for anything but glass.
     opacity: f32,
+    /// Glass of this colour instead of its texture's.
+    transmission: Option<Vec3>,
     fence: bool,
     picture: Option<Picture>,
 }
@@ -67,11 +71,10 @@ pub(crate) enum Effect {
 }
 
 impl Filters {
-    /// The filters of a scene; `names` are the lower-case texture names of the surfaces.
+    /// The filters of a scene.
     pub(crate) fn new(
         bsp: &Bsp,
         surfaces: &[Surface],
-        names: &[String],
         models: &[Model],
         settings: &SceneSettings,
         warnings: &mut Vec<String>,
@@ -86,7 +89,7 @@ impl Filters {
         };
         for (face, surface) in surfaces.iter().enumerate() {
             if surface.role == Role::Filter {
-                builder.add_surface(face, surface, names[face].starts_with('{'));
+                builder.add_surface(face, surface);
             }
         }
         for (index, model) in models.iter().enumerate().skip(1) {
@@ -133,6 +136,9 @@ impl Filters {
         if ray.direction.dot(caster.normal) <= 0.0 {
             return Effect::Pass;
         }
+        if let Some(share) = caster.transmission {
+            return Effect::Tint(share, 1.0);
+        }
         let colour = caster.picture.as_ref().and_then(|p| self.texel(p, ray.point));
         colour.map_or(Effect::Pass, |c| Effect::Tint(c / 255.0, caster.opacity))
     }
@@ -150,18 +156,19 @@ struct Builder<'a> {
     settings: &'a SceneSettings,
     polygons: Vec<Polygon>,
     casters: Vec<Caster>,
-    textures: Vec<Texels>,
+    textures: Vec<Arc<Texels>>,
     /// Index in `textures` of a slot of the texture lump.
     by_slot: HashMap<u32, Option<usize>>,
 }
 
 impl Builder<'_> {
-    fn add_surface(&mut self, face: usize, surface: &Surface, fence: bool) {
+    fn add_surface(&mut self, face: usize, surface: &Surface) {
         let Some(polygon) = surface.polygon() else { return };
         let texinfo = usize::try_from(self.bsp.faces[face].texinfo)
             .ok()
             .and_then(|i| self.bsp.texinfos.get(i).copied());
-        let wants_texture = fence || surface.opacity < 1.0;
+        let wants_texture =
+            surface.fence || surface.opacity < 1.0 && surface.transmission.is_none();
         let picture =
             texinfo.filter(|_| wants_texture).and_then(|texinfo| self.picture(&texinfo, surface));
         self.polygons.push(polygon);
@@ -170,7 +177,8 @@ impl Builder<'_> {
             mask: surface.channel_mask,
             normal: surface.normal,
             opacity: surface.opacity,
-            fence,
+            transmission: surface.transmission,
+            fence: surface.fence,
             picture,
         });
     }
@@ -182,7 +190,7 @@ impl Builder<'_> {
             None => {
                 let found = Texels::find(self.bsp, slot, &self.settings.textures);
                 let place = found.map(|texels| {
-                    self.textures.push(texels);
+                    self.textures.push(Arc::new(texels));
                     self.textures.len() - 1
                 });
                 self.by_slot.insert(slot, place);
@@ -206,6 +214,7 @@ impl Builder<'_> {
                 mask: model.channel_mask,
                 normal: polygon.normal,
                 opacity: 1.0,
+                transmission: None,
                 fence: false,
                 picture: None,
             });
@@ -215,6 +224,34 @@ impl Builder<'_> {
 }
 
 impl Scene {
+    /// The glass that all light meets alike, and so bounced light too: polygons and what each does.
+    pub fn panes(&self) -> (Vec<Polygon>, Vec<Pane>) {
+        let is_pane = |c: &(&Polygon, &Caster)| {
+            let model = &self.models[c.1.model as usize];
+            c.1.opacity < 1.0
+                && c.1.mask & 1 != 0
+                && model.switchable().is_none()
+                && !model.shadow_self
+                && !model.shadow_world_only
+        };
+        let casters = self.filters.tracer.polygons().iter().zip(&self.filters.casters);
+        casters
+            .filter(is_pane)
+            .map(|(polygon, caster)| {
+                let texture = |p: &Picture| {
+                    let texels = Arc::clone(&self.filters.textures[p.texels]);
+                    PaneColour::Texture(texels, [p.s, p.t], p.offset)
+                };
+                let (opacity, colour) = match caster.transmission {
+                    Some(share) => (1.0, Some(PaneColour::Even(share))),
+                    None => (caster.opacity, caster.picture.as_ref().map(texture)),
+                };
+                let pane = Pane { normal: caster.normal, opacity, colour };
+                (polygon.clone(), pane)
+            })
+            .unzip()
+    }
+
     /// Whether some light is filtered on its way.
     pub fn has_filters(&self) -> bool {
         !self.filters.casters.is_empty()

@@ -2,6 +2,7 @@
 
 use super::bounce_keys::BounceSettings;
 use super::build::SceneSettings;
+use super::material_file::{Material, MaterialReflectance};
 use crate::bsp::{Bsp, MipTex, average_colour};
 use crate::photometry::Reflectance;
 use glam::Vec3;
@@ -12,7 +13,7 @@ const GREY: f32 = 0.5;
 /// What is mixed with the colour of a texture, and all that the reference has by default.
 const COMPAT_GREY: f32 = 127.0 / 255.0;
 /// The most that a surface may reflect: at 1 light in a closed room would never die away.
-const LIMIT: f32 = 0.99;
+pub(super) const LIMIT: f32 = 0.99;
 
 /// Reflectance of every slot of the texture lump, by its index, and one for faces without texture.
 pub(crate) struct Materials {
@@ -59,6 +60,17 @@ impl Materials {
     /// Reflectance of the texture in a slot of the texture lump.
     pub fn of(&self, texture: Option<u32>) -> Reflectance {
         texture.and_then(|t| self.slots.get(t as usize)).copied().unwrap_or(self.none)
+    }
+
+    /// Reflectance of the texture in a slot as a material file has it. What passes through takes its part.
+    pub fn given(&self, texture: Option<u32>, material: &Material) -> Reflectance {
+        let own = match material.reflectance {
+            None => self.of(texture).0,
+            Some(MaterialReflectance::Colour(colour)) => colour,
+            Some(MaterialReflectance::Scale(scale)) => self.colour(texture) * scale,
+        };
+        let through = material.diffuse_transmission.unwrap_or(Vec3::ZERO);
+        Reflectance(own.min(Vec3::splat(LIMIT) - through).max(Vec3::ZERO))
     }
 
     /// Mean colour of the texture in a slot, 0 to 1, whatever the settings make of its reflectance.

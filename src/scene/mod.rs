@@ -7,6 +7,7 @@ mod build;
 mod corner_frames;
 mod dirt;
 pub mod effects;
+mod emission;
 mod entity_lights;
 pub(crate) mod exact;
 pub mod export;
@@ -23,6 +24,7 @@ pub mod lights;
 mod luxel_grid;
 mod luxel_size;
 pub mod luxels;
+pub mod material_file;
 mod materials;
 mod minlight;
 mod models;
@@ -31,11 +33,13 @@ mod neighbours;
 mod obstacles;
 mod overrides;
 mod packet;
+mod pane;
 mod phong;
 mod projection;
 mod rad;
 mod radiosity_lights;
 mod random;
+mod shading;
 mod shadow;
 mod shaft;
 mod shape;
@@ -68,6 +72,7 @@ pub use luxel_size::{LuxelSettings, LuxelSize};
 pub use luxels::Sample;
 pub use minlight::{Glow, Minlight};
 pub use models::{AutoMinlight, Model, ShadowClass};
+pub use pane::Pane;
 pub use projection::Projection;
 pub use radiosity_lights::{EmissiveQuality, RadiosityLight, SurflightSettings};
 pub use shadow::ShadowRays;
@@ -123,6 +128,8 @@ pub struct Scene {
     pub warnings: Vec<String>,
     /// Lower-case texture names of the surfaces; empty where there is none.
     pub(crate) names: Vec<String>,
+    /// By surface; empty if none varies.
+    shadings: Vec<Option<shading::Shading>>,
     obstacles: Option<obstacles::Obstacles>,
     shapes: Vec<shape::Shape>,
     neighbours: neighbours::Neighbours,

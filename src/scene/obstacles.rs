@@ -46,8 +46,6 @@ impl Obstacles {
 pub(super) struct Casters<'a> {
     pub bsp: &'a Bsp,
     pub surfaces: &'a [Surface],
-    /// Lower-case texture names of the surfaces.
-    pub names: &'a [String],
     pub models: &'a [Model],
     /// Pixels that the map may lack.
     pub textures: &'a [MipTex],
@@ -61,7 +59,7 @@ impl Casters<'_> {
         for (index, fence) in self.surfaces.iter().enumerate() {
             let model = fence.model.map(|m| &self.models[m as usize]);
             let filter = (fence.role, fence.opacity, fence.channel_mask);
-            if !is_fence(&self.names[index], filter, model) {
+            if !is_fence(fence.fence, filter, model) {
                 continue;
             }
             let texels = fence.texture.and_then(|t| Texels::find(self.bsp, t, self.textures));
@@ -90,18 +88,14 @@ impl Casters<'_> {
     }
 }
 
-/// Whether a face with this lower-case texture name, role, opacity and channels is a fence that is the
-/// same to all light.
+/// Whether a face with holes or not, of this role, opacity and channels is a fence that is the same to all
+/// light.
 pub(super) fn is_fence(
-    name: &str,
+    fence: bool,
     (role, opacity, mask): (Role, f32, i32),
     model: Option<&Model>,
 ) -> bool {
-    role == Role::Filter
-        && name.starts_with('{')
-        && opacity >= 1.0
-        && mask == 1
-        && model.is_some_and(is_plain)
+    role == Role::Filter && fence && opacity >= 1.0 && mask == 1 && model.is_some_and(is_plain)
 }
 
 /// Whether the faces of a model block all rays that meet them.

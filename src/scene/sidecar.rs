@@ -2,6 +2,7 @@
 //! keys of brush entities that the BSP cannot hold, and `<map>.content.json` with exact leaf contents.
 
 use super::extremes::limited_number;
+use super::material_file::MaterialFile;
 use glam::Vec3;
 use serde_json::Value;
 
@@ -16,6 +17,8 @@ pub struct Sidecar<'a> {
     pub rad: Option<&'a str>,
     /// Light entities that the map does not have itself, in the syntax of the entity lump.
     pub lights: Option<&'a str>,
+    /// What textures do to light.
+    pub materials: Option<&'a MaterialFile>,
 }
 
 /// Keys of one texinfo; the defaults stand for "not given".

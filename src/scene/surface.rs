@@ -13,7 +13,8 @@ pub enum Role {
     /// Blocks light and sends nothing back.
     Sky,
     /// Stops some light and lets some pass (fences, glass, and faces of models that cast shadow in
-    /// special ways or channels), and sends nothing back. Bounced light passes through it.
+    /// special ways or channels), and sends nothing back. Bounced light passes through it, through glass
+    /// with its tint.
     Filter,
     /// Neither blocks nor reflects (liquids and models without shadow).
     ///
@@ -92,6 +93,14 @@ pub struct Surface {
     /// Share of light that takes on the colour of the surface when it passes through glass, 0 to 1;
     /// 1 is no glass.
     pub opacity: f32,
+    /// Share of light that passes straight through, per channel, where a material file says so; it
+    /// replaces the tint of glass.
+    pub transmission: Option<Vec3>,
+    /// Share of light that leaves the opposite face of a thin brush diffusely, per channel, where a
+    /// material file says so.
+    pub diffuse: Option<Vec3>,
+    /// Texels of the last palette index are holes.
+    pub fence: bool,
     /// Lit from behind as well (liquids).
     pub two_sided: bool,
     /// Receives no light from lights, suns and bounces.

@@ -22,6 +22,9 @@ pub struct Emitter {
     pub exitance: Exitance,
     /// Factor on its light where it bounces (`bouncescale`), 0 and up.
     pub bounce_scale: f32,
+    /// Only parts of the surface shine: `exitance` is that of a white texel, see
+    /// [`Scene::mean_glow`](super::Scene::mean_glow).
+    pub varied: bool,
 }
 
 /// Pieces are not cut nearer than this to their end, in world units.
@@ -123,6 +126,7 @@ fn emitter(draft: &Draft, face: usize, texture_colour: Vec3) -> Emitter {
         style: draft.light.style,
         exitance: Exitance(colour * (draft.light.brightness * PI)),
         bounce_scale: draft.light.bounce_scale,
+        varied: false,
     }
 }
 

@@ -31,8 +31,13 @@ impl LitLight {
 
     /// With the text of a texinfo.json.
     pub fn with_texinfo(map: &MapBuilder, settings: &Settings, texinfo: &str) -> Self {
-        let mut bsp = map.build(Format::Bsp29);
         let sidecar = Sidecar { texinfo: Some(texinfo), ..Sidecar::default() };
+        Self::with(map, settings, sidecar)
+    }
+
+    /// With all that may lie beside a map.
+    pub fn with(map: &MapBuilder, settings: &Settings, sidecar: Sidecar<'_>) -> Self {
+        let mut bsp = map.build(Format::Bsp29);
         let lit = light_bsp(&mut bsp, sidecar, Vec::new(), settings, &Progress::new(false));
         let MapLight { scene, faces, .. } = lit.unwrap();
         let units = |light: &[Vec3]| light.iter().map(|c| *c / scene.world.range).collect();

@@ -1,7 +1,7 @@
 //! Text scenes of rectangles cut into equal patches.
 
 use glam::DVec3;
-use qrad::patch::{CameraSpec, Quad, TextPatches, TextScene};
+use qrad::patch::{CameraSpec, PatchEffects, Quad, TextPatches, TextScene};
 use qrad::radiosity::hemicube::HemicubeSize;
 use qrad::radiosity::transfers::Transfers;
 
@@ -25,6 +25,7 @@ pub fn grid(origin: DVec3, u: DVec3, v: DVec3, counts: [usize; 2], light: Light)
         normal: u.cross(v).normalize(),
         exitance: [light.exitance; 3],
         reflectance: [light.reflectance; 3],
+        effects: PatchEffects::default(),
     };
     (0..counts[0] * counts[1]).map(|k| cell(k % counts[0], k / counts[0])).collect()
 }

@@ -101,6 +101,12 @@ impl ItemBuffer {
         }
     }
 
+    /// Polygon seen in a cell, [`Cells::NOTHING`] for none, and 1 / depth.
+    pub fn cell(&self, side: SideId, x: u32, y: u32) -> (u32, f32) {
+        let place = SIDES.iter().position(|&s| s == side).expect("one of the five");
+        self.sides[place].cell(x as usize, y as usize)
+    }
+
     /// Visits all cells, in a fixed order.
     pub fn for_each_row(&self, mut visit: impl FnMut(Cells<'_>)) {
         for (side, id) in self.sides.iter().zip(SIDES) {

@@ -50,7 +50,7 @@ impl HemicubeSize {
     }
 
     /// Rows of one side.
-    fn rows(self, side: SideId) -> u32 {
+    pub(super) fn rows(self, side: SideId) -> u32 {
         if side == SideId::Top { self.height } else { self.height / 2 }
     }
 

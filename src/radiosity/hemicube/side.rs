@@ -106,6 +106,13 @@ impl Side {
         self.height as f32
     }
 
+    /// Item and nearness of a cell.
+    pub fn cell(&self, x: usize, y: usize) -> (u32, f32) {
+        let tile = y / TILE * self.tiles_x + x / TILE;
+        let at = tile * CELLS + y % TILE * TILE + x % TILE;
+        (self.item[at], self.nearness[at])
+    }
+
     /// Calls `visit(x, y, items, nearness)` for each run of eight (or fewer, at the right edge)
     /// cells of a row, tile by tile.
     pub fn for_each_row(&self, mut visit: impl FnMut(usize, usize, &[u32], &[f32])) {

@@ -5,7 +5,7 @@ use byteorder::{ByteOrder, LittleEndian, ReadBytesExt, WriteBytesExt};
 use std::io;
 
 impl Transfers {
-    /// All rows as bytes, which [`from_bytes`](Self::from_bytes) reads.
+    /// All rows as bytes, which [`from_bytes`](Self::from_bytes) reads; without what an overlay adds.
     pub fn to_bytes(&self) -> Vec<u8> {
         let mut bytes = Vec::new();
         put(&mut bytes, &self.row_of, LittleEndian::write_u32_into);
@@ -84,6 +84,7 @@ fn read(bytes: &mut &[u8]) -> io::Result<Transfers> {
             ends: get(bytes, LittleEndian::read_u32_into)?,
             steps: get(bytes, LittleEndian::read_u16_into)?,
             weights: get(bytes, LittleEndian::read_f32_into)?,
+            overlay: Vec::new(),
         });
     }
     Ok(Transfers { chunks, row_of, drawn_at, drawn: 0 })

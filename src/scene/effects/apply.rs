@@ -18,8 +18,6 @@ pub(crate) struct Parts<'a> {
     pub suns: &'a mut Vec<Sun>,
     pub emitters: &'a mut Vec<Emitter>,
     pub world: &'a mut WorldSettings,
-    /// Lower-case texture names of the surfaces.
-    pub names: &'a [String],
 }
 
 /// Takes out what is switched off, and suns that no sky lets through.
@@ -99,8 +97,8 @@ impl Parts<'_> {
 
     /// Surfaces that would filter light let all of it pass.
     fn remove_filters(&mut self, switches: &Switches) {
-        for (surface, name) in self.surfaces.iter_mut().zip(self.names) {
-            if surface.role == Role::Filter && switches.off(kind_of_filter(surface, name)) {
+        for surface in self.surfaces.iter_mut() {
+            if surface.role == Role::Filter && switches.off(kind_of_filter(surface)) {
                 surface.role = Role::Ghost;
             }
         }
@@ -128,10 +126,10 @@ impl Parts<'_> {
 }
 
 /// The effect that a filtering surface belongs to.
-pub(super) fn kind_of_filter(surface: &Surface, name: &str) -> Effect {
+pub(super) fn kind_of_filter(surface: &Surface) -> Effect {
     if surface.opacity < 1.0 {
         Effect::Glass
-    } else if name.starts_with('{') {
+    } else if surface.fence {
         Effect::Fences
     } else {
         Effect::ModelShadows

@@ -232,8 +232,7 @@ impl Survey<'_> {
             Effect::Glass => "nothing that casts shadow is seen through",
             _ => "no model casts shadow in a way of its own",
         };
-        let own =
-            |s: &Surface, name: &str| s.role == Role::Filter && kind_of_filter(s, name) == effect;
+        let own = |s: &Surface, _: &str| s.role == Role::Filter && kind_of_filter(s) == effect;
         self.textured(own, none)
     }
 

@@ -1,0 +1,121 @@
+//! What a material file makes of single surfaces: values that vary over them.
+
+use super::Scene;
+use super::material_file::{Emitting, Material, MaterialEmission, Modifier};
+use super::materials::LIMIT;
+use super::texels::Texels;
+use crate::bsp::FULLBRIGHTS;
+use glam::{Vec3, Vec4};
+use std::sync::Arc;
+
+/// How a surface varies.
+#[derive(Clone, Debug)]
+pub(crate) struct Shading {
+    modifier: Option<Modifier>,
+    emission: Option<MaterialEmission>,
+    /// Pixels, the coefficients of the texture's axes, and the offset of the brush model.
+    texels: Option<Arc<Texels>>,
+    axes: [Vec4; 2],
+    offset: Vec3,
+    /// Mean colour of the texture, 0 to 1.
+    mean: Vec3,
+}
+
+impl Shading {
+    /// The parts of a material that vary; `None` if there are none.
+    pub fn of(
+        material: &Material,
+        texels: impl FnOnce() -> Option<Arc<Texels>>,
+        (axes, offset, mean): ([Vec4; 2], Vec3, Vec3),
+    ) -> Option<Self> {
+        let emission = material.emission.filter(|e| e.parts != Emitting::Face);
+        let modifier = material.modifier;
+        (emission.is_some() || modifier.is_some()).then(|| Self {
+            modifier,
+            emission,
+            texels: texels(),
+            axes,
+            offset,
+            mean,
+        })
+    }
+
+    /// Texture coordinates of a world point.
+    fn texture_at(&self, point: Vec3) -> [f32; 2] {
+        let p = (point - self.offset).extend(1.0);
+        self.axes.map(|axis| axis.dot(p))
+    }
+
+    /// Factor on the reflectance at a world point.
+    fn factor(&self, point: Vec3) -> Vec3 {
+        let [s, t] = self.texture_at(point);
+        match self.modifier {
+            None => Vec3::ONE,
+            Some(Modifier::Texel) => {
+                let texel = self.texels.as_ref().and_then(|texels| texels.colour_at(s, t));
+                texel.map_or(Vec3::ONE, |c| c / 255.0 / self.mean.max(Vec3::splat(1e-3)))
+            }
+            Some(Modifier::Checker(size, colour)) => {
+                let odd = ((s / size).floor() + (t / size).floor()).rem_euclid(2.0) >= 1.0;
+                if odd { colour } else { Vec3::ONE }
+            }
+            Some(Modifier::Gradient([from, to], colour)) => {
+                let along = if from == to { 1.0 } else { (point.z - from) / (to - from) };
+                Vec3::ONE.lerp(colour, along.clamp(0.0, 1.0))
+            }
+        }
+    }
+
+    /// Share of the emission at a world point, with the colour of the texel.
+    fn glow(&self, point: Vec3) -> Vec3 {
+        let Some(emission) = &self.emission else { return Vec3::ZERO };
+        let [s, t] = self.texture_at(point);
+        let Some(texels) = &self.texels else { return Vec3::ZERO };
+        let shines =
+            emission.parts == Emitting::Texture || FULLBRIGHTS.contains(&texels.index_at(s, t));
+        let colour = texels.colour_at(s, t).filter(|_| shines);
+        let own = emission.colour.unwrap_or(Vec3::ONE);
+        colour.map_or(Vec3::ZERO, |c| c / 255.0 * own)
+    }
+}
+
+impl Scene {
+    fn shading(&self, surface: usize) -> Option<&Shading> {
+        self.shadings.get(surface)?.as_ref()
+    }
+
+    /// Reflectance of a surface at each of some world points, the mean; `None` where it is the same all
+    /// over.
+    pub fn mean_reflectance(
+        &self,
+        surface: usize,
+        points: impl Iterator<Item = Vec3>,
+    ) -> Option<Vec3> {
+        let shading = self.shading(surface).filter(|s| s.modifier.is_some())?;
+        let base = self.surfaces[surface].reflectance.0;
+        let at = |p: Vec3| (base * shading.factor(p)).min(Vec3::splat(LIMIT));
+        Some(mean(points, at))
+    }
+
+    /// Share and colour of what a surface emits, the mean over some world points; `None` where it is the
+    /// same all over.
+    pub fn mean_glow(&self, surface: usize, points: impl Iterator<Item = Vec3>) -> Option<Vec3> {
+        let shading = self.shading(surface).filter(|s| s.emission.is_some())?;
+        Some(mean(points, |p| shading.glow(p)))
+    }
+
+    /// Whether any surface varies.
+    pub fn has_shadings(&self) -> bool {
+        !self.shadings.is_empty()
+    }
+}
+
+/// Mean over points; 0 without any.
+fn mean(points: impl Iterator<Item = Vec3>, value: impl Fn(Vec3) -> Vec3) -> Vec3 {
+    let (mut sum, mut count) = (Vec3::ZERO, 0.0);
+    for point in points {
+        sum += value(point);
+        count += 1.0;
+    }
+    if count > 0.0 { sum / count } else { Vec3::ZERO }
+}

@@ -1,0 +1,212 @@
+//! Maps with a material file: what textures do to light, against closed forms.
+
+mod support;
+
+use glam::Vec3;
+use qrad::lightmap::DebugView;
+use qrad::scene::Sidecar;
+use qrad::scene::material_file::MaterialFile;
+use qrad::settings::{Settings, SurfaceLights};
+use std::f32::consts::PI;
+use support::lit_light::{LitLight, settings};
+use support::lit_room::entity;
+use support::map_builder::MapBuilder;
+use support::program::fail;
+
+/// The most that closed forms are missed by.
+const CLOSE: f32 = 2e-3;
+
+fn lit(map: &MapBuilder, settings: &Settings, materials: &str) -> LitLight {
+    let file = MaterialFile::parse(materials, "m.toml").unwrap();
+    LitLight::with(map, settings, Sidecar { materials: Some(&file), ..Sidecar::default() })
+}
+
+fn material(texture: &str, keys: &str) -> String {
+    format!("[[material]]\ntexture = \"{texture}\"\n{keys}\n")
+}
+
+/// A room 256 long with a lamp at its low end and panes across it; what is beyond sends no light back.
+fn room_with_panes(panes: usize, pane_keys: &[(&str, &str)]) -> MapBuilder {
+    let mut entities = entity("worldspawn", &[]);
+    entities += &entity("light", &[("origin", "-90 10 70"), ("light", "300")]);
+    let mut map = MapBuilder::room([-128.0, -64.0, 0.0], [128.0, 64.0, 128.0])
+        .solid_texture("far", 12)
+        .solid_texture("near", 12)
+        .solid_texture("glass", 79)
+        .room_textures([1, 0, 0, 0, 0, 0])
+        .subdivide(64.0);
+    for k in 0..panes {
+        let x = 16.0 * k as f32;
+        map = map.model([x, -64.0, 0.0], [x + 4.0, 64.0, 128.0], Some(2));
+        let number = format!("*{}", k + 1);
+        let keys = [&[("model", &*number), ("_shadow", "1")], pane_keys].concat();
+        entities += &entity("func_wall", &keys);
+    }
+    map.entities(entities)
+}
+
+/// Bounced light on the far end, of one bounce off the low end.
+fn bounced_far(map: &MapBuilder, pane: &str) -> Vec<Vec3> {
+    let settings = Settings { bounces: Some(1), ..settings(Some(DebugView::Bounce)) };
+    let materials = material("far", "bounce = false") + &material("glass", pane);
+    let lit = lit(map, &settings, &materials);
+    let far = |s: &usize| lit.scene.surfaces[*s].vertices.iter().all(|v| v.x == 128.0);
+    (0..lit.scene.surfaces.len()).filter(far).flat_map(|s| lit.of(s, 0)).collect()
+}
+
+#[test]
+fn panes_filter_bounced_light_and_multiply() {
+    let tint = Vec3::new(1.0, 0.5, 0.25);
+    let clear = bounced_far(&room_with_panes(0, &[]), "");
+    assert!(clear.iter().all(|e| e.min_element() > 0.05), "{:?}", clear[0]);
+    for panes in 1..4 {
+        // The direct light on the low end does not cross them.
+        let got = bounced_far(&room_with_panes(panes, &[]), "transmission = [1, 0.5, 0.25]");
+        let want = tint.powf(panes as f32);
+        for (got, clear) in got.iter().zip(&clear) {
+            let off = (*got / (*clear * want) - 1.0).abs().max_element();
+            assert!(off < CLOSE, "{panes} panes: {got} of {clear}, off by {off}");
+        }
+    }
+}
+
+#[test]
+fn alpha_of_a_brush_model_filters_bounced_light_by_its_texture() {
+    let clear = bounced_far(&room_with_panes(0, &[]), "");
+    let got = bounced_far(&room_with_panes(1, &[("alpha", "0.6")]), "");
+    let colour = qrad::bsp::PALETTE[79].map(|c| f32::from(c) / 255.0);
+    let want = Vec3::ONE.lerp(Vec3::from(colour), 0.6);
+    assert!(want.max_element() - want.min_element() > 0.05, "a colour: {want}");
+    for (got, clear) in got.iter().zip(&clear) {
+        assert!((*got / (*clear * want) - 1.0).abs().max_element() < CLOSE, "{got} {clear}");
+    }
+}
+
+/// In a closed room that all emits and sends on alike, light is the same everywhere.
+#[test]
+fn a_furnace_with_a_curtain_keeps_its_level() {
+    let map = MapBuilder::room([-96.0, -64.0, 0.0], [96.0, 64.0, 96.0])
+        .solid_texture("wall", 12)
+        .solid_texture("cloth", 12)
+        .pillar([-8.0, -64.0, 0.0], [0.0, 64.0, 96.0], 1);
+    let settings = Settings { surface_lights: SurfaceLights::Area, ..settings(None) };
+    let emission = "emission = { intensity = 10, parts = \"texture\" }";
+    let materials = material("wall", "reflectance = [0.6, 0.5, 0.4]")
+        + &material(
+            "cloth",
+            "reflectance = [0.2, 0.2, 0.2]\ndiffuse_transmission = [0.4, 0.3, 0.2]",
+        )
+        + &material("*", emission);
+    let lit = lit(&map, &settings, &materials);
+    let colour = Vec3::from(qrad::bsp::PALETTE[12].map(|c| f32::from(c) / 255.0));
+    let want = colour * 10.0 * PI / (1.0 - Vec3::new(0.6, 0.5, 0.4));
+    let mut walls = 0;
+    for (s, surface) in lit.scene.surfaces.iter().enumerate() {
+        // A curtain shows what comes through as well.
+        let shown = match surface.diffuse {
+            None => want,
+            Some(tau) => want * (1.0 + tau / surface.reflectance.0),
+        };
+        for got in lit.of(s, 0) {
+            let off = (got / shown - 1.0).abs().max_element();
+            assert!(off < CLOSE, "surface {s}: {got} for {shown}");
+        }
+        walls += usize::from(surface.diffuse.is_none());
+    }
+    assert_eq!(walls, 6);
+}
+
+#[test]
+fn a_curtain_lights_the_dark_side() {
+    let map = |light: [&str; 2]| {
+        MapBuilder::room([-96.0, -64.0, 0.0], [96.0, 64.0, 96.0])
+            .solid_texture("wall", 12)
+            .solid_texture("cloth", 12)
+            .pillar([-8.0, -64.0, 0.0], [0.0, 64.0, 96.0], 1)
+            .entities(
+                entity("worldspawn", &[])
+                    + &entity("light", &[("origin", light[0]), ("light", light[1])]),
+            )
+    };
+    let map = map(["60 0 48", "300"]);
+    let dark = |lit: &LitLight| -> f32 {
+        let far = |s: &usize| lit.scene.surfaces[*s].vertices.iter().all(|v| v.x < -7.0);
+        (0..lit.scene.surfaces.len()).filter(far).flat_map(|s| lit.of(s, 0)).map(|e| e.x).sum()
+    };
+    let opaque = lit(&map, &settings(None), "");
+    assert_eq!(dark(&opaque), 0.0);
+    let through = lit(&map, &settings(None), &material("cloth", "diffuse_transmission = 0.4"));
+    assert!(dark(&through) > 1000.0, "{}", dark(&through));
+}
+
+#[test]
+fn lines_of_rad_files_and_emission_agree() {
+    let map = MapBuilder::room([-96.0, -64.0, 0.0], [96.0, 64.0, 96.0])
+        .solid_texture("wall", 12)
+        .solid_texture("panel", 70)
+        .room_textures([0, 0, 0, 0, 0, 1]);
+    let light = |lit: &LitLight| {
+        (0..lit.scene.surfaces.len()).flat_map(|s| lit.of(s, 0)).collect::<Vec<Vec3>>()
+    };
+    let emission = material("p*l", "emission = { colour = [1, 0.5, 0], intensity = 120 }");
+    let own = lit(&map, &settings(None), &emission);
+    let rad = "panel 255 127.5 0 120\n";
+    let with_rad = |materials: &str| {
+        let file = MaterialFile::parse(materials, "m").unwrap();
+        let sidecar = Sidecar { rad: Some(rad), materials: Some(&file), ..Sidecar::default() };
+        light(&LitLight::with(&map, &settings(None), sidecar))
+    };
+    assert!(light(&own).iter().any(|e| e.x > 1.0));
+    assert_eq!(light(&own), with_rad(""), "the same light");
+    assert_eq!(light(&own), with_rad(&emission), "not twice");
+}
+
+#[test]
+fn surfaces_take_what_the_file_says() {
+    let map = MapBuilder::room([-96.0, -64.0, 0.0], [96.0, 64.0, 96.0])
+        .solid_texture("a", 12)
+        .solid_texture("b", 12)
+        .room_textures([0, 0, 0, 0, 1, 0]);
+    let none = lit(&map, &settings(None), "");
+    let own = none.scene.surfaces[0].reflectance.0;
+    let materials = material("a", "reflectance = 0.5\ntwo_sided = true\nalpha_test = true")
+        + &material("b", "modifier = { kind = \"checker\", size = 32, colour = [0, 0.5, 1] }");
+    let lit = lit(&map, &settings(None), &materials);
+    for surface in &lit.scene.surfaces {
+        if surface.normal == Vec3::Z {
+            continue;
+        }
+        assert!((surface.reflectance.0 - own * 0.5).abs().max_element() < 1e-6);
+        assert!(surface.two_sided && surface.fence);
+    }
+    // Half of the floor's cells are multiplied: 192 x 128 in cells of 32.
+    let patches = {
+        let scene = &lit.scene;
+        let samples: Vec<_> = (0..scene.surfaces.len())
+            .map(|face| qrad::scene::luxels::place(scene, face, 1))
+            .collect();
+        qrad::patch::MapPatches::new(scene, &samples, 2)
+    };
+    let (mut mean, mut area) = (Vec3::ZERO, 0.0);
+    let mut kinds = 0;
+    for patch in patches.set.patches.iter().filter(|p| p.normal == Vec3::Z) {
+        mean += patch.reflectance.0 * patch.area;
+        area += patch.area;
+        kinds += usize::from(patch.reflectance.0.x < 0.1 * own.x);
+    }
+    let want = own * Vec3::new(0.5, 0.75, 1.0);
+    assert!((mean / area - want).abs().max_element() < 0.02, "{} {want}", mean / area);
+    assert!(kinds > 0, "whole patches are dark");
+}
+
+#[test]
+fn the_program_names_file_and_line() {
+    let dir = tempfile::tempdir().unwrap();
+    let map = dir.path().join("room.bsp");
+    std::fs::copy(support::maps_dir().join("furnace.bsp"), &map).unwrap();
+    let file = dir.path().join("room.materials.toml");
+    std::fs::write(&file, material("mid", "reflectence = 0.5")).unwrap();
+    let err = fail(&map, &["--bounces=0", "--quiet"]);
+    assert!(err.contains("room.materials.toml: line 3: unknown key"), "{err}");
+    assert!(err.contains("\"reflectance\""), "{err}");
+}
