@@ -32,7 +32,9 @@ impl Map {
     fn light(&self) -> u64 {
         let mut blockers = Blockers::new(&self.scene);
         let lit = self.samples.iter().enumerate().map(|(face, samples)| {
-            direct_from(&self.scene, face, samples, Directions::default(), &mut blockers).rays
+            direct_from(&self.scene, face, samples, Directions::default(), &mut blockers)
+                .rays
+                .total()
         });
         lit.sum()
     }

@@ -130,11 +130,15 @@ fn pairs() -> Vec<Pair> {
         pair("a light of least light", &room(&[], &[], plain, &least), &["rays of least light"]),
         pair("least light of the world", &room(&[("_minlight", "9")], &[], plain, ""), &[]),
         pair("a fence", &room(&[], &[], (&[("_shadow", "1")], FENCE), ""), filtered),
-        pair(
-            "glass",
-            &room(&[], &[], (&[("_shadow", "1"), ("alpha", "0.5")], GLASS), ""),
-            filtered,
-        ),
+        Pair {
+            name: "glass",
+            without: used(&room(&[], &[], (&[("alpha", "0.5")], GLASS), ""), &settings),
+            with: used(
+                &room(&[], &[], (&[("_shadow", "1"), ("alpha", "0.5")], GLASS), ""),
+                &settings,
+            ),
+            counters: filtered,
+        },
         pair(
             "a shadow on the world only",
             &room(&[], &[], (&[("_shadowworldonly", "1")], GLASS), ""),

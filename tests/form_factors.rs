@@ -8,7 +8,6 @@ use qrad::patch::{Quad, TextPatches};
 use qrad::radiosity::form_factor::{parallel_corner, rectangle, upright_corner};
 use qrad::radiosity::hemicube::{DeltaFormFactors, HemicubeSize, SIDES, SideId, View};
 use qrad::radiosity::transfers::{Gatherer, Transfers};
-use qrad::scene::Barriers;
 use std::f64::consts::PI;
 use std::ops::Range;
 use support::lit_map::Prepared;
@@ -234,31 +233,6 @@ fn shared_rows_tell_almost_the_same_light() {
     // What irradiance varies by over this share of the distance to what is seen, in the model of Ward,
     // Rubinstein and Clear (1988); patches that share are half of that apart or less on the whole.
     assert!(rms < 4.0 / PI * 0.25 / 2.0, "{rms}");
-}
-
-/// Within three quarters of the distance to the nearest thing that a patch sees, rays find nothing in the
-/// way either: interpolation sends none there.
-#[test]
-fn places_nearer_than_anything_seen_are_not_hidden() {
-    for name in ["atrium.bsp", "cornell.bsp", "slit.bsp"] {
-        let map = support::lit_map::Prepared::project_map(name, false);
-        let mut barriers = Barriers::new(&map.scene);
-        let samples: Vec<Vec3> =
-            map.samples.iter().flatten().filter(|s| !s.occluded).map(|s| s.position).collect();
-        let (mut pairs, mut hidden) = (0, 0);
-        for (i, patch) in map.patches.set.patches.iter().enumerate().step_by(7) {
-            let clear = (0.75 * map.transfers.distances(i).nearest).min(128.0);
-            for &at in &samples {
-                let offset = at - patch.eye;
-                if offset.length() < clear && offset.dot(patch.normal) > -0.01 {
-                    pairs += 1;
-                    hidden += usize::from(barriers.blocked(at, patch.eye));
-                }
-            }
-        }
-        println!("{name}: {hidden} of {pairs} hidden");
-        assert!(pairs > 100 && hidden * 2000 <= pairs, "{name}: {hidden} of {pairs}");
-    }
 }
 
 /// A look that is visited run by run has the form factors of the row.

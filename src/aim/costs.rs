@@ -11,7 +11,7 @@ use std::time::Instant;
 
 /// Sizes of patches and of hemicubes that are sampled.
 const PATCH_SIZES: [u32; 3] = [2, 4, 8];
-const CELLS: [u32; 4] = [12, 16, 32, 64];
+const CELLS: [u32; 3] = [16, 32, 64];
 /// Hemicubes of each size that are timed.
 const SAMPLED: usize = 96;
 /// Interpolating a luxel takes this share of a hemicube of 16 cells.

@@ -166,9 +166,9 @@ fn known_patches(sources: Sources<'_>, error: f64) -> Interpolator {
         if sources.transfers.drawn_at(i) != i {
             continue;
         }
-        let distances = sources.transfers.distances(i);
+        let openness = sources.transfers.distances(i).openness;
         let apart = sources.patches.spacing[sources.patches.surface[i] as usize];
-        let point = Known::new(patch.eye, patch.normal, distances, apart);
+        let point = Known::new(patch.eye, patch.normal, openness, apart);
         known.add(point, sources.light.iter().map(|l| l.irradiance[i].0.as_dvec3()));
     }
     known
@@ -235,9 +235,9 @@ impl<'a> Drawn<'a> {
                             let view = View::turned(at, sample.normal, seed);
                             let light = self.arriving(gatherer, &view);
                             face.light[i] = Some(light.clone());
-                            let distances = gatherer.distances();
+                            let openness = gatherer.distances().openness;
                             let (at, normal) = (sample.position, sample.normal);
-                            (Known::new(at, normal, distances, EVERY_OTHER), light)
+                            (Known::new(at, normal, openness, EVERY_OTHER), light)
                         })
                         .collect()
                 },
