@@ -151,7 +151,7 @@ fn the_bytes_do_not_depend_on_the_number_of_threads() {
             let rows: Vec<_> = (0..transfers.rows())
                 .map(|i| {
                     let (columns, factors) = transfers.row(i);
-                    (columns.to_vec(), factors.iter().map(|f| f.to_bits()).collect::<Vec<_>>())
+                    (columns.clone(), factors.iter().map(|f| f.to_bits()).collect::<Vec<_>>())
                 })
                 .collect();
             let light: Vec<_> =
