@@ -118,6 +118,7 @@ impl Key {
             let corners = polygon.vertices.iter().chain([&polygon.normal]);
             corners.for_each(|v| digest.words(v.to_array().map(f32::to_bits)));
         }
+        tracer.backed().iter().for_each(|&backed| digest.word(backed.into()));
         digest.word(patches.patches.len() as u32);
         for patch in &patches.patches {
             let points = [patch.eye, patch.normal];

@@ -19,6 +19,7 @@ pub mod output;
 pub mod outputs;
 pub mod patch;
 pub mod photometry;
+pub mod plan_costs;
 pub mod plot;
 pub mod progress;
 pub mod radiosity;

@@ -14,7 +14,9 @@ use qrad::run_report::{self, RunReport};
 use qrad::scene::material_file::MaterialFile;
 use qrad::scene::{Scene, Sidecar, export};
 use qrad::settings::Settings;
-use qrad::{Files, MapLight, aim, legacy_args, light_bsp_in_steps, lightmap, output, sweep};
+use qrad::{
+    Files, MapLight, aim, legacy_args, light_bsp_in_steps, lightmap, output, plan_costs, sweep,
+};
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
@@ -66,9 +68,9 @@ pub fn run(
         return Ok(());
     }
     if cli.effects.explain {
-        let scene = Scene::build(&bsp, sidecar, &settings.scene(textures))
+        let plan = plan_costs::explained(&mut bsp, sidecar, textures, &settings)
             .with_context(|| path.display().to_string())?;
-        print!("{}", qrad::plan(&scene, &settings));
+        print!("{plan}");
         return Ok(());
     }
     if cli.accuracy.estimate {
@@ -165,7 +167,9 @@ pub fn run(
         let mut all = RunReport::new(path, &report, &stages, start.elapsed(), lit.checked.clone());
         all.settings = settings.describe();
         all.choices = lit.choices.clone();
-        all.plan = qrad::plan(&lit.scene, &settings).to_string();
+        let mut plan = qrad::plan(&lit.scene, &settings);
+        plan_costs::measured(&mut plan, &lit.counts, &stages, &settings);
+        all.plan = plan.to_string();
         let (pictures, _) = lightmap::atlases(&lit.faces, &sizes(&lit));
         let named = |(style, picture)| (format!("Lightmaps of style {style}"), picture);
         all.pictures = pictures.into_iter().map(named).collect();

@@ -1,7 +1,7 @@
 //! The table at the end of a run.
 
 use crate::check::{Energy, Findings};
-use crate::light::DirectLight;
+use crate::light::{DirectLight, RayCounts};
 use crate::memory;
 use crate::patch::MapPatches;
 use crate::radiosity::bounce::Bounced;
@@ -26,7 +26,7 @@ pub struct Counts {
     /// Light styles that light anything.
     pub styles: usize,
     /// Shadow rays for direct light.
-    pub rays: u64,
+    pub rays: RayCounts,
     /// Hemicubes drawn, for patches and for luxels.
     pub hemicubes: [u64; 2],
     /// Form factors stored.
@@ -53,13 +53,15 @@ impl Counts {
             .chain(gathered.maps.iter().flatten())
             .map(|s| s.style)
             .collect();
+        let mut rays = RayCounts::default();
+        direct.iter().for_each(|d| rays += d.rays);
         Self {
             faces: [lit().count(), scene.surfaces.len()],
             luxels: lit().map(LuxelGrid::len).sum(),
             patches: patches.set.patches.len(),
             lights: scene.lights.len(),
             styles: styles.len(),
-            rays: direct.iter().map(|d| d.rays).sum(),
+            rays,
             hemicubes: [transfers.drawn(), gathered.hemicubes],
             transfers: transfers.len(),
             bounces: bounced.bounces,
@@ -75,7 +77,7 @@ impl Counts {
         report.count("patches", self.patches as u64);
         report.count("lights", self.lights as u64);
         report.count("light styles", self.styles as u64);
-        report.count("shadow rays", self.rays);
+        report.count("shadow rays", self.rays.total());
         report.count("patch hemicubes", self.hemicubes[0]);
         report.count("luxel hemicubes", self.hemicubes[1]);
         report.count("transfers", self.transfers as u64);

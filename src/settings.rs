@@ -53,7 +53,7 @@ impl Quality {
     /// Cells along the edge of a hemicube, on maps.
     pub fn hemicube(self) -> u32 {
         match self {
-            Self::Draft | Self::Normal => 16,
+            Self::Draft | Self::Normal => 12,
             Self::High => 32,
             Self::Final => 64,
         }
@@ -73,7 +73,7 @@ impl Quality {
     pub fn gather_error(self) -> f64 {
         match self {
             Self::Draft => f64::INFINITY,
-            Self::Normal => 0.1,
+            Self::Normal => 0.14,
             Self::High | Self::Final => 0.02,
         }
     }

@@ -35,7 +35,7 @@ fn shares(map: &Prepared) -> [f64; 2] {
     let mut sums = [0.0; 2];
     for &patch in &floor {
         let (columns, weights) = map.transfers.row(patch);
-        for (&to, &f) in columns.iter().zip(weights) {
+        for (&to, &f) in columns.iter().zip(&weights) {
             let to = to as usize;
             let model = surface(to).model == Some(1);
             if model || patches.set.patches[to].eye.z > 129.0 {

@@ -1,15 +1,20 @@
 //! What makes direct light fast must not change it.
 
 use qrad::bsp::Bsp;
+use qrad::light::{Blockers, Directions, direct, direct_from};
 use qrad::light_bsp;
 use qrad::progress::Progress;
-use qrad::scene::{Scene, SceneSettings, Sidecar};
+use qrad::scene::{Scene, SceneSettings, Sidecar, luxels};
 use qrad::settings::Settings;
 use std::path::Path;
 
-fn atrium() -> Bsp {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("maps/atrium.bsp");
+fn map(name: &str) -> Bsp {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("maps").join(name);
     Bsp::read(&std::fs::read(path).unwrap()).unwrap()
+}
+
+fn atrium() -> Bsp {
+    map("atrium.bsp")
 }
 
 fn lighting(mut bsp: Bsp) -> Vec<u8> {
@@ -47,4 +52,57 @@ fn damaged_visibility_only_costs_time() {
         leaf.vis_offset = i32::MAX;
     }
     assert!(lighting(bsp) == lighting(atrium()));
+}
+
+/// Lights every `step`-th surface as a run does, and then sample by sample with nothing remembered, so
+/// that no ray shares its work with another. Tells how many samples were compared.
+fn compare_with_single_samples(
+    name: &str,
+    (extra, step): (u32, usize),
+    keys: &[(&str, &str)],
+) -> usize {
+    let overrides = keys.iter().map(|(k, v)| ((*k).to_owned(), (*v).to_owned())).collect();
+    let settings = SceneSettings { overrides, extra, ..SceneSettings::default() };
+    let scene = Scene::build(&map(name), Sidecar::default(), &settings).unwrap();
+    let mut blockers = Blockers::new(&scene);
+    let (mut compared, mut lit) = (0, 0);
+    for face in (0..scene.surfaces.len()).step_by(step) {
+        let samples = luxels::place(&scene, face, extra);
+        let together = direct_from(&scene, face, &samples, Directions::default(), &mut blockers);
+        for (i, sample) in samples.iter().enumerate() {
+            let alone = direct(&scene, face, std::slice::from_ref(sample));
+            for (all, one) in [
+                (&together.styles, &alone.styles),
+                (&together.negative, &alone.negative),
+                (&together.excess, &alone.excess),
+            ] {
+                for map in all {
+                    let one = one.iter().find(|s| s.style == map.style);
+                    let one = one.map_or_else(Default::default, |s| s.irradiance[0]);
+                    assert_eq!(map.irradiance[i], one, "{name}, face {face}, sample {i}");
+                    lit += usize::from(one.0.max_element() > 0.0);
+                }
+                for map in one {
+                    assert!(all.iter().any(|s| s.style == map.style), "a style is lost");
+                }
+            }
+        }
+        compared += samples.len();
+    }
+    assert!(lit * 4 > compared, "{name}: {lit} of {compared} samples are lit");
+    compared
+}
+
+#[test]
+fn luxels_are_lit_alike_together_and_alone() {
+    // Fences, glass, switched shadows, spots and suns; then sky domes and models.
+    assert!(compare_with_single_samples("effects_all.bsp", (1, 1), &[]) > 5000);
+    assert!(compare_with_single_samples("atrium.bsp", (1, 16), &[]) > 3000);
+}
+
+#[test]
+fn supersamples_with_dirt_are_lit_alike_together_and_alone() {
+    let dirt = [("_dirt", "1")];
+    assert!(compare_with_single_samples("effects_all.bsp", (4, 16), &dirt) > 3000);
+    assert!(compare_with_single_samples("atrium.bsp", (4, 256), &dirt) > 2000);
 }

@@ -4,9 +4,10 @@ mod support;
 
 use glam::Vec3;
 use proptest::prelude::*;
+use qrad::bsp::Bsp;
 use qrad::radiosity::hemicube::{HemicubeSize, ItemBuffer, SIDES, SideId, View};
 use qrad::radiosity::per_ray;
-use qrad::scene::{Polygon, Tracer};
+use qrad::scene::{Polygon, Scene, SceneSettings, Sidecar, Tracer};
 use std::path::PathBuf;
 use support::views::bsp_views;
 
@@ -136,6 +137,36 @@ fn sees_what_rays_see_in_real_maps() {
             // Nearly all of a map is closed: the comparison is about something.
             assert!(result.empty * 10 < result.cells, "{name}: {} see nothing", result.empty);
         }
+    }
+}
+
+/// Leaving out faces that show their backs, where there is solid behind them, changes no cell.
+#[test]
+fn backs_before_solid_are_never_seen() {
+    for map in maps() {
+        let bsp = Bsp::read(&std::fs::read(&map).unwrap()).unwrap();
+        let scene = Scene::build(&bsp, Sidecar::default(), &SceneSettings::default()).unwrap();
+        let tracer = scene.bounce_tracer();
+        let all = Tracer::new(tracer.polygons().to_vec());
+        let size = HemicubeSize::new(32, 32).unwrap();
+        let (mut left_out, mut whole) = (ItemBuffer::new(size), ItemBuffer::new(size));
+        let (mut cells, mut different, mut hidden) = (0, 0, 0);
+        let step = scene.surfaces.len() / 60 + 1;
+        for (i, surface) in scene.surfaces.iter().enumerate().step_by(step) {
+            if surface.vertices.is_empty() {
+                continue;
+            }
+            let middle = surface.vertices.iter().sum::<Vec3>() / surface.vertices.len() as f32;
+            let view = View::turned(middle + surface.normal, surface.normal, i as u64);
+            hidden += tracer.hidden_backs(view.position).iter().filter(|&&h| h).count();
+            let fast = drawn(&mut left_out, tracer, &view);
+            let slow = drawn(&mut whole, &all, &view);
+            cells += fast.len();
+            different += fast.iter().zip(slow).filter(|(a, b)| **a != *b).count();
+        }
+        let name = map.file_stem().unwrap().to_string_lossy();
+        println!("{name}: {different} of {cells} cells differ");
+        assert!(hidden > 0 && different * 10_000 <= cells, "{name}: {different} of {cells}");
     }
 }
 

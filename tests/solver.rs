@@ -136,7 +136,7 @@ fn residual(transfers: &Transfers, rho: &[Reflectance], from: Sources<'_>, m: &[
         let (columns, factors) = transfers.row(i);
         let arriving = columns
             .iter()
-            .zip(factors)
+            .zip(&factors)
             .fold(direct, |sum, (&j, &f)| sum + m[j as usize].0.as_dvec3() * f64::from(f));
         let want = from.emission[i].0.as_dvec3() + rho[i].0.as_dvec3() * arriving;
         worst = worst.max((m[i].0.as_dvec3() - want).abs().max_element());

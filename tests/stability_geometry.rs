@@ -216,7 +216,7 @@ fn a_slit_lets_its_share_of_light_through() {
         .filter(|&i| quads[i].exitance[0] == 0.0)
         .map(|i| {
             let (columns, factors) = solved.transfers.row(i);
-            let lit = columns.iter().zip(factors);
+            let lit = columns.iter().zip(&factors);
             let lit = lit.filter(|c| quads[*c.0 as usize].exitance[0] > 0.0);
             let area: f64 = solved.patches.set.patches[i].area.into();
             area * lit.map(|(_, &f)| f64::from(f)).sum::<f64>()

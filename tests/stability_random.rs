@@ -47,7 +47,7 @@ fn dense(solved: &Solved, channel: usize) -> Vec<f64> {
         .map(|i| {
             let mut row = vec![0.0; n + 1];
             let (columns, factors) = solved.transfers.row(i);
-            for (&j, &f) in columns.iter().zip(factors) {
+            for (&j, &f) in columns.iter().zip(&factors) {
                 row[j as usize] -= f64::from(reflectance[i].0[channel]) * f64::from(f);
             }
             row[i] += 1.0;
@@ -169,7 +169,7 @@ proptest! {
         for i in 0..quads.len() {
             let mut row = by_rays(&solved, i, &delta, size);
             let (columns, factors) = solved.transfers.row(i);
-            for (&j, &f) in columns.iter().zip(factors) {
+            for (&j, &f) in columns.iter().zip(&factors) {
                 row[j as usize] -= f64::from(f);
             }
             off += row.iter().map(|d| d.abs()).sum::<f64>();
@@ -191,7 +191,7 @@ proptest! {
             for (of, sum) in [(&solved, &mut off), (&plain, &mut off_plain)] {
                 let mut row = rays.clone();
                 let (columns, factors) = of.transfers.row(i);
-                for (&j, &f) in columns.iter().zip(factors) {
+                for (&j, &f) in columns.iter().zip(&factors) {
                     row[j as usize] -= f64::from(f);
                 }
                 *sum += area * row.iter().map(|d| d.abs()).sum::<f64>();

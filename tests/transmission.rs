@@ -228,7 +228,7 @@ fn dense(transfers: &Transfers, channel: usize) -> Mat<f64> {
     let mut f = Mat::zeros(n, n);
     for i in 0..n {
         let (columns, weights) = transfers.row(i);
-        for (&j, &w) in columns.iter().zip(weights) {
+        for (&j, &w) in columns.iter().zip(&weights) {
             f[(i, j as usize)] += f64::from(w);
         }
         for &(j, w) in transfers.overlay_row(i) {

@@ -11,13 +11,13 @@ use std::time::Instant;
 
 /// Sizes of patches and of hemicubes that are sampled.
 const PATCH_SIZES: [u32; 3] = [2, 4, 8];
-const CELLS: [u32; 3] = [16, 32, 64];
+const CELLS: [u32; 4] = [12, 16, 32, 64];
 /// Hemicubes of each size that are timed.
 const SAMPLED: usize = 96;
 /// Interpolating a luxel takes this share of a hemicube of 16 cells.
 const INTERPOLATED: f64 = 0.06;
-/// A luxel's hemicube takes this times that of a patch, as it tells apart luxel intervals.
-const OF_LUXEL: f64 = 1.15;
+/// A luxel's hemicube takes this times that of a patch, as it keeps no row.
+const OF_LUXEL: f64 = 0.95;
 /// Share of the patches that draw their own hemicube where sharing is allowed.
 const OWN: f64 = 0.72;
 /// Seconds of a bounce for each form factor, on one thread.
@@ -25,7 +25,7 @@ const BOUNCE: f64 = 2.5e-9;
 /// Bounces until light has settled, about.
 const BOUNCES: f64 = 9.0;
 /// Bytes of a form factor.
-const FACTOR_BYTES: f64 = 8.5;
+const FACTOR_BYTES: f64 = 6.5;
 /// Bytes of a luxel in all that is kept for it.
 const LUXEL_BYTES: f64 = 220.0;
 
@@ -89,7 +89,7 @@ impl Costs {
     }
 
     /// Patches, hemicubes at patches, and form factors.
-    fn counts(&self, rung: &Rung) -> [f64; 3] {
+    pub fn counts(&self, rung: &Rung) -> [f64; 3] {
         let size = rung.patch_size;
         // Between sizes that were cut: as areas go.
         let (near, count) = self
@@ -113,6 +113,11 @@ impl Costs {
             .expect("some sizes are timed");
         let share = f64::from(cells) / f64::from(*near);
         (of.0 * share, of.1 * share.powf(0.7))
+    }
+
+    /// Hemicubes at luxels.
+    pub fn luxels(&self, rung: &Rung) -> f64 {
+        self.luxels * rung.luxels
     }
 
     /// Seconds of bounced light.

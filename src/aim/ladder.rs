@@ -1,4 +1,4 @@
-//! Settings of bounced light in the order of their cost: points of the measured fronts.
+//! Settings of bounced light that are worth their cost: points of the measured fronts.
 
 use crate::lightmap::Gather;
 use crate::radiosity::hemicube::HemicubeSize;
@@ -21,7 +21,8 @@ pub struct Rung {
     pub luxels: f64,
 }
 
-/// The settings that are chosen from, the cheapest first.
+/// The settings that are chosen from, the roughest first; which of two is cheaper depends on the map.
+/// Errors are those of `lqdm2`, the largest among the maps that were swept.
 pub fn rungs() -> Vec<Rung> {
     let rung = |cells, patch_size, gather_error, share, error, luxels| Rung {
         cells,
@@ -32,15 +33,16 @@ pub fn rungs() -> Vec<Rung> {
         luxels,
     };
     vec![
-        rung(16, 8, f64::INFINITY, 0.25, 0.11, 0.03),
-        rung(16, 4, f64::INFINITY, 0.25, 0.075, 0.03),
-        rung(16, 2, f64::INFINITY, 0.25, 0.055, 0.03),
-        rung(16, 2, 0.1, 0.25, 0.037, 0.10),
-        rung(16, 2, 0.05, 0.25, 0.03, 0.2),
-        rung(16, 2, 0.02, 0.25, 0.022, 0.4),
-        rung(16, 8, 0.0, 0.25, 0.015, 1.0),
-        rung(32, 4, 0.0, 0.0, 0.01, 1.0),
-        rung(64, 2, 0.0, 0.0, 0.008, 1.0),
+        rung(16, 8, f64::INFINITY, 0.25, 0.1, 0.03),
+        rung(16, 4, f64::INFINITY, 0.25, 0.085, 0.03),
+        rung(12, 2, 0.14, 0.25, 0.044, 0.04),
+        rung(16, 2, 0.2, 0.25, 0.042, 0.06),
+        rung(16, 2, 0.1, 0.25, 0.04, 0.1),
+        rung(16, 2, 0.05, 0.25, 0.036, 0.2),
+        rung(16, 8, 0.0, 0.25, 0.026, 1.0),
+        rung(32, 2, 0.02, 0.0, 0.025, 0.4),
+        rung(32, 4, 0.0, 0.0, 0.02, 1.0),
+        rung(64, 2, 0.0, 0.0, 0.018, 1.0),
     ]
 }
 

@@ -9,6 +9,7 @@ mod text;
 pub use costs::{Costs, Predicted};
 pub use half::{half_error, half_error_text};
 pub use ladder::{Rung, rungs};
+pub(crate) use pilot::sample_direct;
 pub use pilot::{Estimated, estimate};
 pub use text::{TextPredicted, estimate_text, text_quality};
 
@@ -73,7 +74,11 @@ fn for_error(
         f.error().map(|e| (e / rungs[0].error).powf(sure))
     });
     let scale = scale.unwrap_or(1.0).clamp(0.5, 2.5);
-    let enough = rungs.iter().position(|r| r.error * scale <= target);
+    let cheapest = |enough: &dyn Fn(&Rung) -> bool| {
+        let enough = (0..rungs.len()).filter(|&i| enough(&rungs[i]));
+        enough.min_by(|&a, &b| costs.seconds(&rungs[a]).total_cmp(&costs.seconds(&rungs[b])))
+    };
+    let enough = cheapest(&|r| r.error * scale <= target);
     let mut choice = enough.unwrap_or(rungs.len() - 1);
     let mut said = Vec::new();
     loop {
@@ -100,7 +105,8 @@ fn for_error(
             return (light, said);
         }
         said.push("the check finds a larger error, so finer settings follow".into());
-        choice += 1;
+        let before = rungs[choice].error;
+        choice = cheapest(&|r| r.error < before).unwrap_or(rungs.len() - 1);
     }
 }
 

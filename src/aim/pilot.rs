@@ -2,7 +2,7 @@
 
 use super::{Costs, Predicted, Rung};
 use crate::bsp::{Bsp, MipTex};
-use crate::light::{self, Directions};
+use crate::light::{self, Directions, RayCounts};
 use crate::progress::Progress;
 use crate::scene::{Scene, Sidecar};
 use crate::settings::{Quality, Settings};
@@ -40,7 +40,7 @@ pub fn estimate(
     let scene = Scene::build(bsp, sidecar, &settings.scene(textures))?;
     let points = stage::place(&scene, settings, &Progress::new(false))?;
     let before = start.elapsed().as_secs_f64();
-    let direct = direct_seconds(&scene, &points);
+    let direct = sample_direct(&scene, &points).0;
     let costs = Costs::measure(&scene, &points.luxels);
     let of = |quality: Quality| {
         let preset = Settings::of_quality(quality);
@@ -57,12 +57,13 @@ pub fn estimate(
     Ok([Quality::Draft, Quality::Normal, Quality::High, Quality::Final].map(of).to_vec())
 }
 
-/// Seconds of direct light, from some faces.
-fn direct_seconds(scene: &Scene, points: &stage::Points) -> f64 {
+/// Seconds and rays of direct light, from some faces.
+pub(crate) fn sample_direct(scene: &Scene, points: &stage::Points) -> (f64, RayCounts) {
     let samples = points.samples();
     let all: usize = samples.iter().map(Vec::len).sum();
+    let mut rays = RayCounts::default();
     if all == 0 {
-        return 0.0;
+        return (0.0, rays);
     }
     // Faces as they come along a walk through all of them in even steps.
     let step = (samples.len() as f64 * 0.618) as usize | 1;
@@ -71,13 +72,17 @@ fn direct_seconds(scene: &Scene, points: &stage::Points) -> f64 {
     let start = Instant::now();
     let (mut done, mut luxels) = (0, 0);
     for faces in order.chunks(8 * rayon::current_num_threads()) {
-        faces.par_iter().for_each_init(
-            || light::Blockers::new(scene),
-            |blockers, &face| {
-                let none = Directions::default();
-                light::direct_from(scene, face, &samples[face], none, blockers);
-            },
-        );
+        let traced: Vec<RayCounts> = faces
+            .par_iter()
+            .map_init(
+                || light::Blockers::new(scene),
+                |blockers, &face| {
+                    let none = Directions::default();
+                    light::direct_from(scene, face, &samples[face], none, blockers).rays
+                },
+            )
+            .collect();
+        traced.into_iter().for_each(|more| rays += more);
         done += faces.len();
         luxels += faces.iter().map(|&f| samples[f].len()).sum::<usize>();
         let late = start.elapsed().as_secs_f64() > PATIENCE;
@@ -85,5 +90,6 @@ fn direct_seconds(scene: &Scene, points: &stage::Points) -> f64 {
             break;
         }
     }
-    start.elapsed().as_secs_f64() * all as f64 / luxels.max(1) as f64
+    let share = all as f64 / luxels.max(1) as f64;
+    (start.elapsed().as_secs_f64() * share, rays.scaled(share))
 }

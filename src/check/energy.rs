@@ -34,8 +34,7 @@ impl Energy {
         let mut seen = vec![(0.0, 0_u32); exitance.len()];
         let mut sees = vec![0.0; exitance.len()];
         for (i, patch) in patches.patches.iter().enumerate() {
-            let (columns, weights) = transfers.row(i);
-            for (&j, &f) in columns.iter().zip(weights) {
+            for (j, f) in transfers.entries(i) {
                 let of = &mut seen[j as usize];
                 *of = (of.0 + f64::from(patch.area * f), of.1 + 1);
                 sees[i] += f64::from(f);

@@ -10,6 +10,7 @@ mod minlight;
 mod point;
 mod probe;
 mod radiosity;
+mod ray_counts;
 mod spot;
 mod sun;
 mod tiles;
@@ -21,11 +22,13 @@ pub use dirt::FaceDirt;
 pub use minlight::Probe;
 pub(crate) use minlight::{mottle, wants_probe};
 pub(crate) use probe::{SIDES, place as probe_place, probe, probe_sides};
+pub use ray_counts::RayCounts;
 
 use crate::photometry::Irradiance;
 use crate::scene::exact::{brightness, distance, dot, length};
 use crate::scene::{Arrival, Light, LightRays, Reach, Sample, Scene, Surface};
 use glam::Vec3;
+use ray_counts::Since;
 use tiles::{Tile, Tiles};
 
 /// Fewer rays than this from a tile to a light are not worth a look at what is between.
@@ -61,7 +64,7 @@ pub struct DirectLight {
     /// Dirt at the samples.
     pub dirt: FaceDirt,
     /// Rays traced.
-    pub rays: u64,
+    pub rays: RayCounts,
 }
 
 /// Lights the samples of a surface.
@@ -84,9 +87,12 @@ pub fn direct_from(
     }
     let mut rays = LightRays::new(scene, scene.surfaces[surface].model);
     let tiles = Tiles::new(samples, scene.surfaces[surface].normal);
+    let (mut since, mut counts) = (Since::now(&rays), RayCounts::default());
     result.dirt = FaceDirt::trace(scene, surface, (samples, &tiles), &mut rays);
+    since.count(&rays, &mut counts.dirt);
     let surface = &scene.surfaces[surface];
     if surface.light_ignore {
+        result.rays = counts;
         return result;
     }
     let sphere = BoundingSphere::of(surface);
@@ -114,19 +120,26 @@ pub fn direct_from(
         let mut beam = Beam { scene, light: index, blockers, rays: &mut rays, tiles: &tiles };
         beam.trace(whole, samples, &mut wanted);
         receive(scene, light, samples, &mut wanted, sums);
+        let is_copy = light.piece_radius > 0.0;
+        let count = if is_copy { &mut counts.surface_lights } else { &mut counts.lights };
+        since.count(&rays, count);
     }
     for sun in &scene.suns {
         let styles = if sun.brightness > 0.0 { &mut result.styles } else { &mut result.negative };
         let sums = (styles, &mut result.excess, &mut result.directions);
         sun::light_surface(scene, sun, surface, points, (&tiles, &mut wanted), &mut rays, sums);
+        since.count(&rays, if sun.dome { &mut counts.sky_domes } else { &mut counts.suns });
     }
     for light in &scene.radiosity_lights {
         let receiver = (surface, &sphere);
         let sums = (&mut result.styles, &mut result.excess, &mut result.directions);
         radiosity::light_surface(scene, light, receiver, points, &mut rays, sums);
+        since.count(&rays, &mut counts.surface_lights);
     }
     result.local_minimum = minlight::local(scene, surface, points, &result.styles, &mut rays);
-    result.rays = rays.rays();
+    since.count(&rays, &mut counts.minlight);
+    counts.filtered = rays.filtered_rays();
+    result.rays = counts;
     result
 }
 

@@ -86,7 +86,7 @@ fn trace(
     };
     if count >= FEW_RAYS && (count >= MANY_RAYS || look(one, rays)) {
         let floor = tiles.floor_along(tile, sun.to_sun);
-        let narrow = rays.to_sky(&tile.bounds, floor, sun.to_sun, count);
+        let narrow = rays.skywards(&tile.bounds, floor, sun.to_sun, count);
         let parts = tiles.parts(tile);
         if !narrow && count >= MANY_RAYS && !parts.is_empty() {
             for part in parts {

@@ -78,9 +78,8 @@ fn mean_directions(sources: Sources<'_>, exitance: &[Exitance]) -> Vec<Vec3> {
         .into_par_iter()
         .with_min_len(64)
         .map(|i| {
-            let (columns, weights) = sources.transfers.row(i);
             let (mut vector, mut sum) = (Vec3::ZERO, 0.0);
-            for (&j, f) in columns.iter().zip(weights) {
+            for (j, f) in sources.transfers.entries(i) {
                 let arriving = f * strengths[j as usize];
                 let way = way_to(&patches[i], &patches[j as usize]);
                 vector += way.normalize_or_zero() * arriving;

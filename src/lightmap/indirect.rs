@@ -162,14 +162,13 @@ impl Face<'_> {
 /// The patches as known points. Those that the edge of a face cuts off stand as far apart as whole ones.
 fn known_patches(sources: Sources<'_>, error: f64) -> Interpolator {
     let mut known = Interpolator::new(sources.light.len(), error);
-    let leaders = sources.patches.leaders();
     for (i, patch) in sources.patches.set.patches.iter().enumerate() {
-        if !sources.transfers.drawn_at(i, leaders[i]) {
+        if sources.transfers.drawn_at(i) != i {
             continue;
         }
-        let openness = sources.transfers.openness(i);
+        let distances = sources.transfers.distances(i);
         let apart = sources.patches.spacing[sources.patches.surface[i] as usize];
-        let point = Known::new(patch.eye, patch.normal, openness, apart);
+        let point = Known::new(patch.eye, patch.normal, distances, apart);
         known.add(point, sources.light.iter().map(|l| l.irradiance[i].0.as_dvec3()));
     }
     known
@@ -236,9 +235,9 @@ impl<'a> Drawn<'a> {
                             let view = View::turned(at, sample.normal, seed);
                             let light = self.arriving(gatherer, &view);
                             face.light[i] = Some(light.clone());
-                            let openness = gatherer.openness();
+                            let distances = gatherer.distances();
                             let (at, normal) = (sample.position, sample.normal);
-                            (Known::new(at, normal, openness, EVERY_OTHER), light)
+                            (Known::new(at, normal, distances, EVERY_OTHER), light)
                         })
                         .collect()
                 },

@@ -6,6 +6,7 @@
 //! Salkauskas, 1981) to the points that it can see. The value depends on where the luxel is in the
 //! world and not on its face, so coplanar and smoothly touching faces meet without a seam.
 
+use crate::radiosity::transfers::Distances;
 use crate::scene::{Barriers, Sample};
 use glam::{DMat3, DVec3, Vec3};
 use std::collections::HashMap;
@@ -14,6 +15,8 @@ use std::collections::HashMap;
 const TRUST: f32 = 0.5;
 /// Limits of the reach in world units, if points are not farther apart.
 const REACH: [f32; 2] = [16.0, 128.0];
+/// Reach of a point, if nothing else limits it, relative to how far apart such points are.
+const SPAN: f32 = 1.5;
 /// A gap of a few units ends its points' reach, which is at most this many times its width.
 const GAP: f32 = 8.0;
 /// How much a difference of normals counts: this times sqrt(1 - cosine) is added to the distance,
@@ -27,22 +30,36 @@ const ENOUGH: f64 = 0.4;
 /// Holds the gradient back where points do not determine it, relative to the weights.
 const RIDGE: f64 = 0.02;
 
+/// Within this share of the distance to the nearest thing that a point sees, nothing is in its way. Less
+/// than 1, as the cells of its hemicube leave gaps.
+const CLEAR: f32 = 0.75;
+
 /// A point where irradiance is known.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Known {
     position: Vec3,
     normal: Vec3,
     reach: f32,
+    /// Nothing stands between the point and places above its plane that are nearer than this.
+    clear: f32,
 }
 
 impl Known {
-    /// `openness` is the harmonic mean distance to what is seen from the point, `apart` the distance of
+    /// `distances` are those to what is seen from the point, `apart` is the distance of
     /// such points. They reach each other: where none did, those farther off would be taken for all there
     /// is, and light that gathers in a corner would be missed between the points. Points in a gap do not
     /// reach out of it.
-    pub fn new(position: Vec3, normal: Vec3, openness: f32, apart: f32) -> Self {
-        let low = apart.min(GAP * openness).clamp(REACH[0], REACH[1]);
-        Self { position, normal, reach: (TRUST * openness).clamp(low, REACH[1]) }
+    pub fn new(position: Vec3, normal: Vec3, distances: Distances, apart: f32) -> Self {
+        let Distances { openness, nearest } = distances;
+        let low = (SPAN * apart).min(GAP * openness).clamp(REACH[0], REACH[1]);
+        let reach = (TRUST * openness).clamp(low, REACH[1]);
+        Self { position, normal, reach, clear: CLEAR * nearest }
+    }
+
+    /// Whether it is certain that nothing stands between the point and a place `offset` away from it.
+    fn is_clear(&self, offset: Vec3) -> bool {
+        // Places below the plane may be behind its edge.
+        offset.length_squared() < self.clear * self.clear && offset.dot(self.normal) > -0.01
     }
 }
 
@@ -114,7 +131,9 @@ impl Interpolator {
             let point = &self.known[i as usize];
             let offset = point.position - sample.position;
             let weight = weight(point, sample.normal, offset);
-            if weight <= 0.0 || barriers.blocked(sample.position, point.position) {
+            if weight <= 0.0
+                || !point.is_clear(-offset) && barriers.blocked(sample.position, point.position)
+            {
                 continue;
             }
             let along = |axis: Vec3| f64::from(offset.dot(axis) / REACH[1]);

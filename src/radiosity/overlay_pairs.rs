@@ -24,7 +24,7 @@ pub fn improve(transfers: &mut Transfers, patches: &PatchSet, near: &NearPairs<'
             }
             let (columns, weights) = transfers.row(i);
             let (mut row, mut lost) = (Vec::new(), Vec::new());
-            for (&j, &factor) in columns.iter().zip(weights) {
+            for (&j, &factor) in columns.iter().zip(&weights) {
                 let factor = f64::from(factor);
                 let Shares { tint, patterned } = near.through(overlay, (i, j as usize), factor);
                 if tint != DVec3::ONE {

@@ -12,6 +12,8 @@ use glam::{DVec3, Vec3, Vec4};
 use rayon::prelude::*;
 use wide::f32x8;
 
+/// The longest step to the next column; a longer one is several.
+const FAR: u16 = u16::MAX;
 /// Rows computed, and stored, as one piece.
 const CHUNK: usize = 32;
 
@@ -24,33 +26,80 @@ pub struct Transfers {
     chunks: Vec<Chunk>,
     /// Where the row of each patch is: chunk times [`CHUNK`], and place in the chunk.
     row_of: Vec<u32>,
+    /// The patch at whose eye that row was drawn.
+    drawn_at: Vec<u32>,
     drawn: u64,
 }
 
+/// Rows one after the other, six bytes an entry.
 #[derive(Default)]
 struct Chunk {
-    openness: Vec<f32>,
+    distances: Vec<Distances>,
     ends: Vec<u32>,
-    columns: Vec<u32>,
+    /// By how much each entry's column is larger than the one before it in the row (the first: than 0);
+    /// [`FAR`] moves on by that much and is no entry.
+    steps: Vec<u16>,
     weights: Vec<f32>,
     /// What an overlay adds to each row; empty without one.
     overlay: Vec<Vec<(u32, Vec3)>>,
 }
 
 impl Chunk {
-    fn push(&mut self, row: &[(PatchId, f64)], openness: f32) {
-        self.openness.push(openness);
+    fn push(&mut self, row: &[(PatchId, f64)], distances: Distances) {
+        self.distances.push(distances);
+        let mut column = 0;
         for &(j, f) in row {
-            self.columns.push(j.0);
+            let mut step = j.0 - column;
+            while step >= u32::from(FAR) {
+                self.steps.push(FAR);
+                self.weights.push(0.0);
+                step -= u32::from(FAR);
+            }
+            self.steps.push(step as u16);
             self.weights.push(f as f32);
+            column = j.0;
         }
-        self.ends.push(self.columns.len() as u32);
+        self.ends.push(self.steps.len() as u32);
     }
 
-    fn row(&self, i: usize) -> (&[u32], &[f32]) {
+    /// Steps and weights of a row.
+    fn row(&self, i: usize) -> (&[u16], &[f32]) {
         let from = if i == 0 { 0 } else { self.ends[i - 1] as usize };
         let to = self.ends[i] as usize;
-        (&self.columns[from..to], &self.weights[from..to])
+        (&self.steps[from..to], &self.weights[from..to])
+    }
+
+    /// Columns and weights of a row.
+    fn entries(&self, i: usize) -> impl Iterator<Item = (u32, f32)> + '_ {
+        let (steps, weights) = self.row(i);
+        let mut column = 0;
+        steps.iter().zip(weights).filter_map(move |(&step, &weight)| {
+            column += u32::from(step);
+            (step != FAR).then_some((column, weight))
+        })
+    }
+
+    /// Sum of weight times light over a row.
+    fn sum(&self, i: usize, light: &[DVec3]) -> DVec3 {
+        let (steps, weights) = self.row(i);
+        // Several sums at a time: each addition would wait for the one before.
+        let mut sums = [DVec3::ZERO; 4];
+        let mut column = 0;
+        let mut add = |sum: &mut DVec3, step: u16, weight: f32| {
+            column += u32::from(step);
+            *sum += light[column as usize] * f64::from(weight);
+        };
+        let (by_four, rest) = steps.as_chunks::<4>();
+        let (weights, last) = weights.as_chunks::<4>();
+        for (steps, weights) in by_four.iter().zip(weights) {
+            for ((sum, &step), &weight) in sums.iter_mut().zip(steps).zip(weights) {
+                add(sum, step, weight);
+            }
+        }
+        for ((sum, &step), &weight) in sums.iter_mut().zip(rest).zip(last) {
+            add(sum, step, weight);
+        }
+        (sums[0] + sums[1]) + (sums[2] + sums[3])
     }
 }
 
@@ -63,7 +112,7 @@ impl Transfers {
         advance: impl Fn(u64) + Sync,
     ) -> Self {
         let all: Vec<u32> = (0..patches.patches.len() as u32).collect();
-        let mut transfers = Self { row_of: vec![0; all.len()], ..Self::default() };
+        let mut transfers = Self::undrawn(all.len());
         transfers.draw(tracer, patches, size, &all, advance);
         transfers
     }
@@ -81,7 +130,7 @@ impl Transfers {
     ) -> Self {
         let all = 0..leaders.len() as u32;
         let (first, rest): (Vec<u32>, Vec<u32>) = all.partition(|&i| leaders[i as usize] == i);
-        let mut transfers = Self { row_of: vec![0; leaders.len()], ..Self::default() };
+        let mut transfers = Self::undrawn(leaders.len());
         transfers.draw(tracer, patches, size, &first, &advance);
         let alone: Vec<u32> = rest
             .par_iter()
@@ -91,18 +140,25 @@ impl Transfers {
                 |shadows, i| {
                     let leader = leaders[i as usize];
                     let [here, there] = [i, leader].map(|k| patches.patches[k as usize].eye);
-                    let reach = share * transfers.openness(leader as usize);
+                    let reach = share * transfers.distances(leader as usize).openness;
                     (here.distance(there) >= reach || shadows.blocked(here, there)).then_some(i)
                 },
             )
             .flatten()
             .collect();
         for &i in &rest {
-            transfers.row_of[i as usize] = transfers.row_of[leaders[i as usize] as usize];
+            let leader = leaders[i as usize];
+            transfers.row_of[i as usize] = transfers.row_of[leader as usize];
+            transfers.drawn_at[i as usize] = leader;
         }
         advance((rest.len() - alone.len()) as u64);
         transfers.draw(tracer, patches, size, &alone, advance);
         transfers
+    }
+
+    /// For `count` patches whose rows are still to be drawn.
+    fn undrawn(count: usize) -> Self {
+        Self { row_of: vec![0; count], drawn_at: vec![0; count], ..Self::default() }
     }
 
     /// Draws hemicubes at these patches.
@@ -117,6 +173,7 @@ impl Transfers {
         let before = self.chunks.len() * CHUNK;
         for (k, &i) in members.iter().enumerate() {
             self.row_of[i as usize] = (before + k) as u32;
+            self.drawn_at[i as usize] = i;
         }
         self.drawn += members.len() as u64;
         let delta = DeltaFormFactors::new(size);
@@ -127,11 +184,11 @@ impl Transfers {
                 for &i in members {
                     let patch = &patches.patches[i as usize];
                     gatherer.look(&View::turned(patch.eye, patch.normal, i.into()));
-                    rows.push(gatherer.row(), gatherer.openness());
+                    rows.push(gatherer.row(), gatherer.distances());
                     rows.overlay.extend(gatherer.overlay_row());
                 }
                 advance(members.len() as u64);
-                rows.columns.shrink_to_fit();
+                rows.steps.shrink_to_fit();
                 rows.weights.shrink_to_fit();
                 rows
             },
@@ -163,16 +220,11 @@ impl Transfers {
             |(work, gatherer, row), (number, chunk)| {
                 let mut old = std::mem::take(chunk);
                 chunk.overlay = std::mem::take(&mut old.overlay);
-                let mut from = 0;
-                for (k, &to) in old.ends.iter().enumerate() {
-                    let members = from..to as usize;
-                    from = members.end;
+                for k in 0..old.ends.len() {
                     row.clear();
-                    row.extend(
-                        members.map(|c| (PatchId(old.columns[c]), f64::from(old.weights[c]))),
-                    );
+                    row.extend(old.entries(k).map(|(j, f)| (PatchId(j), f64::from(f))));
                     near.improve(number * CHUNK + k, row, work, gatherer);
-                    chunk.push(row, old.openness[k]);
+                    chunk.push(row, old.distances[k]);
                 }
                 advance(old.ends.len() as u64);
             },
@@ -196,7 +248,8 @@ impl Transfers {
 
     /// Number of form factors stored.
     pub fn len(&self) -> usize {
-        self.chunks.iter().map(|c| c.weights.len()).sum()
+        let entries = |c: &Chunk| c.steps.iter().filter(|&&step| step != FAR).count();
+        self.chunks.iter().map(entries).sum()
     }
 
     /// Whether no patch sees another.
@@ -205,9 +258,8 @@ impl Transfers {
     }
 
     /// What patch `row` sees: patch indices, ascending, and their form factors.
-    pub fn row(&self, row: usize) -> (&[u32], &[f32]) {
-        let at = self.row_of[row] as usize;
-        self.chunks[at / CHUNK].row(at % CHUNK)
+    pub fn row(&self, row: usize) -> (Vec<u32>, Vec<f32>) {
+        self.entries(row).unzip()
     }
 
     /// What an overlay adds to the form factors of a row, per channel, by ascending patch: positive for
@@ -238,26 +290,26 @@ impl Transfers {
         chunk.weights[from..chunk.ends[i] as usize].fill(0.0);
     }
 
-    /// Harmonic mean distance to what patch `row` sees, see [`Gatherer::openness`].
-    pub fn openness(&self, row: usize) -> f32 {
+    /// The same, pair by pair.
+    pub fn entries(&self, row: usize) -> impl Iterator<Item = (u32, f32)> + '_ {
         let at = self.row_of[row] as usize;
-        self.chunks[at / CHUNK].openness[at % CHUNK]
+        self.chunks[at / CHUNK].entries(at % CHUNK)
+    }
+
+    /// How far what patch `row` sees is from where its row was drawn.
+    pub fn distances(&self, row: usize) -> Distances {
+        let at = self.row_of[row] as usize;
+        self.chunks[at / CHUNK].distances[at % CHUNK]
     }
 
     /// Irradiance at each patch when patch j has exitance `exitance[j]`: E_i = sum_j F_ij M_j.
     pub fn gather(&self, exitance: &[DVec3]) -> Vec<DVec3> {
-        let of_row = |(columns, weights): (&[u32], &[f32])| {
-            columns
-                .iter()
-                .zip(weights)
-                .fold(DVec3::ZERO, |sum, (&j, &f)| sum + exitance[j as usize] * f64::from(f))
-        };
         let rows: Vec<Vec<DVec3>> = self
             .chunks
             .par_iter()
             .map(|chunk| {
                 let mut rows: Vec<DVec3> =
-                    (0..chunk.ends.len()).map(|i| of_row(chunk.row(i))).collect();
+                    (0..chunk.ends.len()).map(|i| chunk.sum(i, exitance)).collect();
                 for (sum, row) in rows.iter_mut().zip(&chunk.overlay) {
                     *sum += overlay_view::gather(row, exitance);
                 }
@@ -267,9 +319,9 @@ impl Transfers {
         self.row_of.iter().map(|&at| rows[at as usize / CHUNK][at as usize % CHUNK]).collect()
     }
 
-    /// Whether the row of patch `i` was drawn at that patch; `leader` is its leader.
-    pub fn drawn_at(&self, i: usize, leader: u32) -> bool {
-        leader as usize == i || self.row_of[i] != self.row_of[leader as usize]
+    /// The patch from which the row of patch `i` was drawn: `i` itself, or one that it shares it with.
+    pub fn drawn_at(&self, i: usize) -> usize {
+        self.drawn_at[i] as usize
     }
 }
 
@@ -355,7 +407,8 @@ impl<'a> Gatherer<'a> {
 
     /// Draws the hemicube of `view` and calls `visit(patch, interval, form factor)` for what it shows, in
     /// a fixed order; patches come up many times. Luxel intervals, of those of the map, are told up to
-    /// depth `reach`. Afterwards only [`openness`](Self::openness) and [`overlay`](Self::overlay) know of this look.
+    /// depth `reach`. Afterwards only [`distances`](Self::distances) and [`overlay`](Self::overlay) know of
+    /// this look.
     pub fn visit(
         &mut self,
         view: &View,
@@ -390,18 +443,30 @@ impl<'a> Gatherer<'a> {
         }
     }
 
-    /// Harmonic mean of the distances to what is seen, weighted by form factor, in world units;
-    /// infinite when nothing is seen. Irradiance varies over lengths of this order (G. Ward, F.
-    /// Rubinstein and R. Clear, "A ray tracing solution for diffuse interreflection", 1988).
-    pub fn openness(&self) -> f32 {
-        let mut inverse = f32x8::ZERO;
+    /// How far what was looked at is away.
+    pub fn distances(&self) -> Distances {
+        let (mut inverse, mut largest) = (f32x8::ZERO, f32x8::ZERO);
         self.buffer.for_each_row(|cells| {
             let from = (cells.y * self.buffer.size().width() + cells.x) as usize;
-            let weights = &self.delta.over_length(cells.side)[from..];
-            inverse += lanes(cells.nearness, 0.0) * lanes(&weights[..cells.nearness.len()], 0.0);
+            let cell = from..from + cells.nearness.len();
+            let lengths = &self.delta.inverse_length(cells.side)[cell.clone()];
+            let here = lanes(cells.nearness, 0.0) * lanes(lengths, 0.0);
+            inverse += here * lanes(&self.delta.of(cells.side)[cell], 0.0);
+            largest = largest.fast_max(here);
         });
-        1.0 / inverse.reduce_add()
+        let largest = largest.to_array().into_iter().fold(0.0, f32::max);
+        Distances { openness: 1.0 / inverse.reduce_add(), nearest: 1.0 / largest }
     }
+}
+
+/// Distances from a point to what it sees, in world units; infinite when nothing is seen.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Distances {
+    /// Harmonic mean, weighted by form factor. Irradiance varies over lengths of this order (G. Ward, F.
+    /// Rubinstein and R. Clear, "A ray tracing solution for diffuse interreflection", 1988).
+    pub openness: f32,
+    /// The smallest in any cell.
+    pub nearest: f32,
 }
 
 /// A luxel interval of a face, the square between four luxels.
@@ -509,5 +574,30 @@ impl Fronts {
             *known = (item, polygon.normal.dot(view.position - polygon.vertices[0]) > 0.0);
         }
         known.1
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rows_come_back_however_far_apart_their_columns_are() {
+        let columns = [0, 1, 65_535, 131_070, 131_070 + 65_534, 500_000, 500_001];
+        let rows: [&[u32]; 4] = [&columns, &[], &[65_535], &[700_000]];
+        let mut chunk = Chunk::default();
+        let distances = Distances { openness: 1.0, nearest: 1.0 };
+        let weight = |j: u32| 1.0 / f64::from(j % 7 + 2);
+        for row in rows {
+            let row: Vec<_> = row.iter().map(|&j| (PatchId(j), weight(j))).collect();
+            chunk.push(&row, distances);
+        }
+        let light: Vec<DVec3> = (0..700_001).map(|j| DVec3::splat(f64::from(j))).collect();
+        for (i, row) in rows.into_iter().enumerate() {
+            let expected: Vec<_> = row.iter().map(|&j| (j, weight(j) as f32)).collect();
+            assert_eq!(chunk.entries(i).collect::<Vec<_>>(), expected);
+            let sum: f64 = expected.iter().map(|&(j, f)| f64::from(j) * f64::from(f)).sum();
+            assert!((chunk.sum(i, &light).x - sum).abs() <= 1e-9 * sum, "row {i}");
+        }
     }
 }

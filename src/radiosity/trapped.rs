@@ -58,7 +58,7 @@ fn leads_to_loss(
     absorbs: impl Fn(usize) -> bool,
 ) -> Vec<bool> {
     let escapes = |i: usize| {
-        let sum: f64 = transfers.row(i).1.iter().map(|&f| f64::from(f)).sum();
+        let sum: f64 = transfers.entries(i).map(|(_, f)| f64::from(f)).sum();
         let more = transfers.overlay_row(i).iter().map(|(_, f)| f64::from(f.dot(channel)));
         sum + more.sum::<f64>() < 1.0 - ESCAPE
     };
@@ -66,7 +66,7 @@ fn leads_to_loss(
     let mut open: Vec<usize> = (0..leads.len()).filter(|&i| leads[i]).collect();
     while let Some(i) = open.pop() {
         // Row i is what sends light to patch i, and so do the other sides of sheets.
-        let seen = transfers.row(i).0.iter().copied();
+        let seen = transfers.entries(i).map(|(j, _)| j);
         let layers = transfers.overlay_row(i).iter().map(|&(j, _)| j);
         let through = passages.iter().filter(|p| p.to.0 as usize == i).map(|p| p.from.0);
         for j in seen.chain(layers).chain(through) {

@@ -1,6 +1,7 @@
 //! From a parsed BSP to a [`Scene`].
 
 use super::Scene;
+use super::backed::is_backed;
 use super::effects::{self, Parts, Switches};
 use super::emission;
 use super::entity_lights;
@@ -33,6 +34,7 @@ use super::world::{WorldSettings, style_range};
 use crate::Result;
 use crate::bsp::{Bsp, Entity, MipTex, normalise, parse_entities};
 use glam::Vec3;
+use std::sync::Arc;
 
 /// What the user chooses about the scene.
 #[derive(Clone, Debug)]
@@ -104,7 +106,7 @@ impl Scene {
         let mut keys = sidecar::texinfo_keys(sidecar.texinfo, bsp.texinfos.len(), &mut warnings);
         let contents: Vec<i32> = bsp.leafs.iter().map(|l| l.contents).collect();
         let leaf_solid = sidecar::solid_leafs(sidecar.content, &contents, &mut warnings);
-        let solid = Solid::new(bsp, leaf_solid);
+        let solid = Arc::new(Solid::new(bsp, leaf_solid));
         let mut models = models::read(bsp, &entities, &mut warnings);
 
         let materials = Materials::new(bsp, settings, &world.bounce);
@@ -182,12 +184,18 @@ impl Scene {
 
         let light_grid = LightGrid::read(&worldspawn, &entities, &surfaces, &mut warnings)?;
 
-        let (tracer, tracer_surface) = build_tracer(&surfaces);
+        let (mut tracer, tracer_surface) = build_tracer(&surfaces);
         let is_sky = |&s: &u32| surfaces[s as usize].role == Role::Sky;
         let sky = Sky::new(tracer.polygons(), tracer_surface.iter().map(is_sky).collect());
         let casters =
             Casters { bsp, surfaces: &surfaces, models: &models, textures: &settings.textures };
-        let obstacles = casters.obstacles(&tracer, &tracer_surface);
+        let mut obstacles = casters.obstacles(&tracer, &tracer_surface);
+        let (bounce_tracer, of) = match &mut obstacles {
+            Some(obstacles) => obstacles.tracer_and_surfaces(),
+            None => (&mut tracer, tracer_surface.as_slice()),
+        };
+        let backed = |&s: &u32| surfaces.get(s as usize).is_some_and(|s| is_backed(s, &solid));
+        bounce_tracer.set_backed(&of.iter().map(backed).collect::<Vec<_>>(), Arc::clone(&solid));
         let filters = Filters::new(bsp, &surfaces, &models, settings, &mut warnings);
         Ok(Self {
             surfaces,

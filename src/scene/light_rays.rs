@@ -48,6 +48,8 @@ pub struct LightRays<'a> {
     near_filters: Narrow,
     /// Filters that the last ray crosses: where, which and how.
     crossed: Vec<(f64, u32, Contact)>,
+    /// Rays tested against filters.
+    tested: u64,
 }
 
 /// A straight way of light.
@@ -70,12 +72,18 @@ impl<'a> LightRays<'a> {
             near: Narrow::default(),
             near_filters: Narrow::default(),
             crossed: Vec::new(),
+            tested: 0,
         }
     }
 
     /// Rays traced so far.
     pub fn rays(&self) -> u64 {
         self.opaque.rays()
+    }
+
+    /// Rays so far that were tested against what filters light.
+    pub fn filtered_rays(&self) -> u64 {
+        self.tested
     }
 
     /// Supposes that a polygon of the scene's tracer blocks the next rays, which makes them faster
@@ -113,7 +121,7 @@ impl<'a> LightRays<'a> {
 
     /// Rays to the sky run from `from` in the unit direction `direction` from now on, as
     /// [`Self::towards`] says.
-    pub(crate) fn to_sky(
+    pub(crate) fn skywards(
         &mut self,
         from: &Bounds,
         floor: Option<Floor>,
@@ -152,7 +160,7 @@ impl<'a> LightRays<'a> {
         self.filters.narrow.enter_part(&self.near_filters, &shaft);
     }
 
-    /// Whether no ray of [`Self::to_sky`] gets to the sky.
+    /// Whether no ray of [`Self::skywards`] gets to the sky.
     pub(crate) fn sees_no_sky(&self) -> bool {
         self.opaque.narrow_sky.is_empty()
     }
@@ -267,6 +275,7 @@ impl<'a> LightRays<'a> {
     /// The filters on a way, nearest first. One that the ray meets at its very edge counts where the
     /// reference has it, or where the rays a hair beside are in a filter too.
     fn find_crossed(&mut self, way: Way, crossed: &mut Vec<(f64, u32, Contact)>) {
+        self.tested += 1;
         let start = way.from.as_dvec3();
         let whole = way.direction.as_dvec3() * f64::from(way.reach);
         self.filters.crossings(start, whole, crossed);

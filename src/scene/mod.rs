@@ -1,5 +1,6 @@
 //! What light needs of a map: surfaces with materials, the ray tracer, the lights and the luxels.
 
+mod backed;
 mod barriers;
 mod bounce_keys;
 mod build;
@@ -79,6 +80,7 @@ pub(crate) use shaft::Floor;
 pub use sidecar::Sidecar;
 pub use sky_rays::Sky;
 pub use solid::Solid;
+use std::sync::Arc;
 pub use suns::Sun;
 pub use surface::{LuxelGrid, Role, Surface};
 pub use surface_lights::Emitter;
@@ -121,7 +123,7 @@ pub struct Scene {
     /// What the lights can reach.
     pub visibility: Visibility,
     /// Solid space of the brush models.
-    pub solid: Solid,
+    pub solid: Arc<Solid>,
     /// What is odd about the map, one sentence each.
     pub warnings: Vec<String>,
     /// Lower-case texture names of the surfaces; empty where there is none.

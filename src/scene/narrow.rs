@@ -83,7 +83,7 @@ impl Narrow {
             if !wanted(packet.polygons[lane]) {
                 continue;
             }
-            if self.count % 4 == 0 {
+            if self.count.is_multiple_of(4) {
                 self.packets.push(Packet::new(&[]));
             }
             let last = self.packets.len() - 1;
@@ -116,5 +116,132 @@ impl Narrow {
                 return;
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::shadow::{Contact, meet};
+    use super::super::shaft::Floor;
+    use super::super::tracer::{Polygon, Tracer};
+    use super::super::umbra::Bounds;
+    use super::*;
+    use proptest::prelude::*;
+
+    const ALL: Limits = Limits { triangles: usize::MAX, steps: usize::MAX };
+
+    fn place(size: i16) -> impl Strategy<Value = Vec3> {
+        // Whole numbers, so that rays meet edges and run along planes.
+        prop::array::uniform3(-size..size).prop_map(|p| Vec3::from(p.map(f32::from)))
+    }
+
+    /// Triangles and parallelograms, some of no area.
+    fn polygon() -> impl Strategy<Value = Polygon> {
+        (place(40), place(12), place(12), any::<bool>()).prop_map(|(a, ab, ac, four)| {
+            let mut vertices = vec![a, a + ab, a + ac];
+            if four {
+                vertices = vec![a, a + ab, a + ab + ac, a + ac];
+            }
+            Polygon { normal: ac.cross(ab).normalize_or(Vec3::Z), vertices }
+        })
+    }
+
+    /// A few points near each other, sometimes all one.
+    fn points() -> impl Strategy<Value = Vec<Vec3>> {
+        (place(40), prop::collection::vec(place(9), 1..5))
+            .prop_map(|(middle, around)| around.into_iter().map(|p| middle + p).collect())
+    }
+
+    /// What a ray is shown.
+    fn shown(narrow: &Narrow, tracer: &Tracer, start: Vec3, way: Vec3) -> Vec<u32> {
+        let mut shown = Vec::new();
+        narrow.walk(tracer.wide(), (start, way), 1.0, &mut Vec::new(), |polygon, _| {
+            shown.push(polygon);
+            1.0
+        });
+        shown
+    }
+
+    proptest! {
+        #[test]
+        fn shafts_leave_out_nothing_that_their_rays_meet(
+            polygons in prop::collection::vec(polygon(), 1..60),
+            starts in points(),
+            ends in points(),
+            axis in 0..3_usize,
+            far in prop_oneof![
+                Just((Vec3::ZERO, 1.0)),
+                Just((Vec3::new(30000.0, -20000.0, 9000.0), 1.0)),
+                Just((Vec3::ZERO, 20000.0)),
+            ],
+        ) {
+            let (place, length) = far;
+            let moved = polygons.into_iter().map(|mut p| {
+                p.vertices.iter_mut().for_each(|v| *v += place);
+                p
+            });
+            let tracer = Tracer::new(moved.collect());
+            let starts: Vec<Vec3> = starts.into_iter().map(|p| p + place).collect();
+            let ends: Vec<Vec3> = ends.into_iter().map(|p| p * length + place).collect();
+            let around = |points: &[Vec3]| Bounds::around(points.iter().copied()).unwrap();
+            let lowest = |points: &[Vec3]| {
+                points.iter().map(|p| f64::from(p[axis])).fold(f64::INFINITY, f64::min)
+            };
+            let floor = Floor {
+                normal: Vec3::AXES[axis],
+                least: lowest(&starts).min(lowest(&ends)),
+            };
+            let (mut narrow, mut part) = (Narrow::default(), Narrow::default());
+            let shaft = Shaft::new(&around(&starts), &around(&ends), Some(floor));
+            prop_assert!(narrow.enter(tracer.wide(), &shaft, ALL, |_| true));
+            for &end in &ends {
+                let shaft = Shaft::new(&around(&starts), &around(&[end]), None);
+                part.enter_part(&narrow, &shaft);
+                for &start in &starts {
+                    let way = end - start;
+                    for shown in [&narrow, &part].map(|n| shown(n, &tracer, start, way)) {
+                        for (index, polygon) in tracer.polygons().iter().enumerate() {
+                            let (v, index) = (&polygon.vertices, index as u32);
+                            let met = meet(v, start.as_dvec3(), way.as_dvec3()).0;
+                            let times = shown.iter().filter(|&&s| s == index).count();
+                            prop_assert!(times <= 1, "polygon {index} is shown {times} times");
+                            prop_assert!(
+                                times == 1 || met == Contact::None,
+                                "{met:?} with {index} is missed from {start} to {end}"
+                            );
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn shafts_hold_only_what_is_between_their_ends() {
+        // Squares across x at 0, 10, ..., 90, and one beside each.
+        let square = |x: f32, y: f32| Polygon {
+            vertices: [(-2.0, -2.0), (-2.0, 2.0), (2.0, 2.0), (2.0, -2.0)]
+                .map(|(s, t)| Vec3::new(x, y + s, t))
+                .to_vec(),
+            normal: Vec3::X,
+        };
+        let polygons = (0..10_u8).flat_map(|i| {
+            let x = 10.0 * f32::from(i);
+            [square(x, 0.0), square(x, 9.0)]
+        });
+        let tracer = Tracer::new(polygons.collect());
+        let around = |x: f32| {
+            Bounds::around([Vec3::new(x, -1.0, -1.0), Vec3::new(x, 1.0, 1.0)].into_iter()).unwrap()
+        };
+        let mut narrow = Narrow::default();
+        let shaft = Shaft::new(&around(15.0), &around(45.0), None);
+        assert!(narrow.enter(tracer.wide(), &shaft, ALL, |_| true));
+        assert_eq!(narrow.count, 6, "two triangles at 20, 30 and 40");
+        let few = Limits { triangles: 5, ..ALL };
+        assert!(!narrow.enter(tracer.wide(), &shaft, few, |_| true) && !narrow.is_on());
+        let short = Limits { steps: 2, ..ALL };
+        assert!(!narrow.enter(tracer.wide(), &shaft, short, |_| true) && !narrow.is_on());
+        let shaft = Shaft::new(&around(11.0), &around(19.0), None);
+        assert!(narrow.enter(tracer.wide(), &shaft, ALL, |_| true) && narrow.is_empty());
     }
 }

@@ -31,6 +31,11 @@ pub(super) struct Obstacles {
 }
 
 impl Obstacles {
+    /// What bounced light is gathered in, and the surface of each polygon, [`NO_SURFACE`] for none.
+    pub fn tracer_and_surfaces(&mut self) -> (&mut Tracer, &[u32]) {
+        (&mut self.tracer, &self.surface)
+    }
+
     /// The hulls of models without faces that cast shadow.
     pub fn hulls(&self) -> &Tracer {
         &self.hulls

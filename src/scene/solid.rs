@@ -91,6 +91,11 @@ impl Solid {
         Some(!node as u32).filter(|&leaf| (leaf as usize) < self.leaf_solid.len())
     }
 
+    /// Whether a point is in a solid leaf of the world.
+    pub(super) fn world_solid(&self, point: Vec3) -> bool {
+        self.world_leaf(point).is_some_and(|leaf| self.leaf_solid[leaf as usize])
+    }
+
     /// The point itself if it is not inside the world, else the first of the points `step` units away
     /// along the axes that is not: low x, high x, low y, and so on.
     pub fn freed(&self, point: Vec3, step: f32) -> Option<Vec3> {

@@ -1,5 +1,6 @@
 //! The polygons of a scene in a bounding volume hierarchy. The only file that uses `obvhs`.
 
+use super::solid::Solid;
 use super::wide_tree::WideTree;
 use glam::Vec3;
 use obvhs::BvhBuildParams;
@@ -7,6 +8,7 @@ use obvhs::aabb::Aabb;
 use obvhs::bvh2::Bvh2;
 use obvhs::bvh2::builder::build_bvh2;
 use obvhs::ray::{Ray, RayHit};
+use std::sync::Arc;
 use std::time::Duration;
 
 /// A flat convex polygon that blocks light.
@@ -53,6 +55,9 @@ pub struct Tracer {
     /// Normal of each slot's polygon.
     normals: Vec<Vec3>,
     wide: WideTree,
+    /// Of each slot, whether its polygon has solid behind it; and that solid. Absent where nothing is
+    /// known of it.
+    backed: Option<(Vec<bool>, Arc<Solid>)>,
 }
 
 impl Tracer {
@@ -90,8 +95,16 @@ impl Tracer {
             ends.push(corners.len() as u32);
             normals.push(polygon.normal);
         }
-        let mut tracer =
-            Self { polygons, bvh, nodes, corners, ends, normals, wide: WideTree::default() };
+        let mut tracer = Self {
+            polygons,
+            bvh,
+            nodes,
+            corners,
+            ends,
+            normals,
+            wide: WideTree::default(),
+            backed: None,
+        };
         tracer.wide = WideTree::new(&tracer.nodes, |slot| {
             let (corners, _, polygon) = tracer.polygon(slot);
             (corners, polygon)
@@ -120,6 +133,33 @@ impl Tracer {
         let from = if slot == 0 { 0 } else { self.ends[slot - 1] };
         let corners = &self.corners[from as usize..self.ends[slot] as usize];
         (corners, self.normals[slot], self.bvh.primitive_indices[slot])
+    }
+
+    /// Tells of each polygon whether all of the space right behind it is in `solid`: its back cannot be
+    /// seen from outside.
+    pub(super) fn set_backed(&mut self, backed: &[bool], solid: Arc<Solid>) {
+        let slots = self.bvh.primitive_indices.iter().map(|&i| backed[i as usize]);
+        self.backed = Some((slots.collect(), solid));
+    }
+
+    /// Whether the polygon in a leaf's slot shows `eye` its back.
+    pub fn faces_away(&self, slot: u32, eye: Vec3) -> bool {
+        let (corners, normal, _) = self.polygon(slot);
+        normal.dot(corners[0] - eye) > 0.0
+    }
+
+    /// Of each slot whether there is solid behind its polygon, as far as that is known; else empty.
+    pub fn backed(&self) -> &[bool] {
+        self.backed.as_ref().map_or(&[], |(backed, _)| backed)
+    }
+
+    /// The slots whose polygons show `eye` no back, a flag each; empty if nothing is known of any, or the
+    /// eye is in solid itself.
+    pub fn hidden_backs(&self, eye: Vec3) -> &[bool] {
+        match &self.backed {
+            Some((backed, solid)) if !solid.world_solid(eye) => backed,
+            _ => &[],
+        }
     }
 
     /// The nearest polygon along `origin + t direction`, 0 < t < `limit`.

@@ -192,8 +192,8 @@ impl Bench for MapBench<'_> {
                     let (face, s, t) = (face as usize, s as usize, t as usize);
                     let grid = direct.scene.surfaces.get(face).and_then(|f| f.luxels.as_ref());
                     let width = grid.map_or(0, |g| g.width as usize);
-                    let maps = found.get(face).into_iter().flatten();
-                    let style = maps.filter(|m| m.style == 0).next();
+                    let mut maps = found.get(face).into_iter().flatten();
+                    let style = maps.find(|m| m.style == 0);
                     let light = style.and_then(|m| m.irradiance.get(t * width + s));
                     light.map_or(0.0, |e| e.0.element_sum() / 3.0)
                 })

@@ -74,7 +74,7 @@ impl Solved {
     /// F_ij M_j summed over j, with M from outside.
     fn arriving(&self, exitance: &[DVec3], i: usize) -> DVec3 {
         let (columns, factors) = self.transfers.row(i);
-        let pairs = columns.iter().zip(factors);
+        let pairs = columns.iter().zip(&factors);
         pairs.fold(DVec3::ZERO, |sum, (&j, &f)| sum + exitance[j as usize] * f64::from(f))
     }
 
@@ -89,7 +89,7 @@ impl Solved {
         let mut flow = vec![0.0; n * n];
         for i in 0..n {
             let (columns, factors) = self.transfers.row(i);
-            for (&j, &f) in columns.iter().zip(factors) {
+            for (&j, &f) in columns.iter().zip(&factors) {
                 flow[i * n + j as usize] = self.area(i) * f64::from(f);
             }
         }

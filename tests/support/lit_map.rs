@@ -48,9 +48,20 @@ impl Prepared {
     }
 
     pub fn light(&self, gather: Gather) -> Lit {
+        let direct = self.direct();
+        let bounced = self.bounce(&direct);
+        let indirect = self.gather(&bounced, gather);
+        Lit { direct, bounced, indirect }
+    }
+
+    /// Direct light of each surface.
+    pub fn direct(&self) -> Vec<DirectLight> {
+        let samples = self.samples.iter().enumerate();
+        samples.map(|(face, s)| direct(&self.scene, face, s)).collect()
+    }
+
+    pub fn bounce(&self, direct: &[DirectLight]) -> Bounced {
         let Self { scene, samples, patches, transfers, settings } = self;
-        let direct: Vec<DirectLight> =
-            samples.iter().enumerate().map(|(face, s)| direct(scene, face, s)).collect();
         let emission = patches.emission(&scene.emitters);
         let limits = Limits { passes: settings.bounces, residual: settings.residual };
         let arriving: Vec<_> = direct
@@ -58,11 +69,15 @@ impl Prepared {
             .zip(samples)
             .map(|(direct, samples)| bounce_source(direct, samples, 1, 1))
             .collect();
-        let bounced = bounce(patches, transfers, &arriving, &emission, limits, |_| {});
+        bounce(patches, transfers, &arriving, &emission, limits, |_| {})
+    }
+
+    /// Indirect light at the luxels of each surface.
+    pub fn gather(&self, bounced: &Bounced, gather: Gather) -> Vec<Vec<StyleLight>> {
+        let Self { scene, samples, patches, transfers, settings } = self;
         let how =
             GatherSettings { gather, error: settings.gather_error, hemicube: settings.hemicube };
         let sources = Sources { scene, patches, transfers, light: &bounced.styles };
-        let (indirect, _) = indirect(sources, samples, how, |_| {});
-        Lit { direct, bounced, indirect }
+        indirect(sources, samples, how, |_| {}).0
     }
 }

@@ -50,7 +50,7 @@ fn asymmetry(map: &Prepared) -> f64 {
     let mut flow = vec![0.0; count * count];
     for i in 0..map.transfers.rows() {
         let (columns, factors) = map.transfers.row(i);
-        for (&j, &f) in columns.iter().zip(factors) {
+        for (&j, &f) in columns.iter().zip(&factors) {
             let [from, to] = [i, j as usize].map(|p| plane[map.patches.surface[p] as usize]);
             flow[from * count + to] += area(map, i) * f64::from(f);
         }
@@ -81,7 +81,7 @@ fn style(map: &Prepared, lit: &Lit, light: &PatchLight) -> (f64, f64) {
         let rho = patch.reflectance.0.as_dvec3();
         let (columns, factors) = map.transfers.row(i);
         let (mut arrives, mut row) = (DVec3::ZERO, 0.0);
-        for (&j, &f) in columns.iter().zip(factors) {
+        for (&j, &f) in columns.iter().zip(&factors) {
             arrives += m[j as usize] * f64::from(f);
             row += f64::from(f);
         }

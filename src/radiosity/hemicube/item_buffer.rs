@@ -66,6 +66,7 @@ impl ItemBuffer {
         self.sides.iter_mut().for_each(Side::clear);
         let nodes = tracer.nodes();
         let frame = Frame::new(view, self.size);
+        let backs = tracer.hidden_backs(view.position);
         self.queue.clear();
         if !nodes.is_empty() {
             self.queue.push(Reverse((0, 0, ALL_SIDES)));
@@ -75,6 +76,10 @@ impl ItemBuffer {
             if node.count > 0 {
                 // Polygons are tested by themselves, more exactly than by their box.
                 for slot in node.first..node.first + node.count {
+                    let hidden = backs.get(slot as usize).copied().unwrap_or(false);
+                    if hidden && tracer.faces_away(slot, view.position) {
+                        continue;
+                    }
                     self.draw_polygon(tracer, slot, &frame, sides);
                 }
                 continue;

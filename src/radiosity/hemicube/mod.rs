@@ -142,8 +142,8 @@ pub struct DeltaFormFactors {
 /// Cells of one side, row by row.
 struct Table {
     factor: Vec<f32>,
-    /// Form factor over the length of the direction to the cell's centre at depth 1.
-    over_length: Vec<f32>,
+    /// 1 / length of the direction to the cell's centre at depth 1.
+    inverse_length: Vec<f32>,
 }
 
 impl DeltaFormFactors {
@@ -169,10 +169,9 @@ impl DeltaFormFactors {
         &self.table(side).factor
     }
 
-    /// Form factors over direction lengths: times a cell's nearness this is form factor over
-    /// distance.
-    pub(super) fn over_length(&self, side: SideId) -> &[f32] {
-        &self.table(side).over_length
+    /// Times a cell's nearness this is 1 / distance.
+    pub(super) fn inverse_length(&self, side: SideId) -> &[f32] {
+        &self.table(side).inverse_length
     }
 
     fn table(&self, side: SideId) -> &Table {
@@ -185,7 +184,7 @@ impl Table {
     fn new(size: HemicubeSize, side: SideId, corner: fn(f64, f64) -> f64) -> Self {
         let (w, h) = (size.width, size.height);
         let edge = |i: u32, n: u32| 2.0 * f64::from(i) / f64::from(n);
-        let (mut factor, mut over_length) = (Vec::new(), Vec::new());
+        let (mut factor, mut inverse_length) = (Vec::new(), Vec::new());
         for y in 0..size.rows(side) {
             for x in 0..w {
                 let a = [edge(x, w) - 1.0, edge(x + 1, w) - 1.0];
@@ -194,10 +193,10 @@ impl Table {
                 let f = rectangle(corner, a, b) as f32;
                 let centre = size.cell_centre(side, x, y);
                 factor.push(f);
-                over_length.push(f / (1.0 + centre.length_squared()).sqrt());
+                inverse_length.push(1.0 / (1.0 + centre.length_squared()).sqrt());
             }
         }
-        Self { factor, over_length }
+        Self { factor, inverse_length }
     }
 }
 

@@ -1,6 +1,6 @@
 //! Transfers as plain bytes, to keep them from one run to the next.
 
-use super::{CHUNK, Chunk, Transfers};
+use super::{CHUNK, Chunk, Distances, Transfers};
 use byteorder::{ByteOrder, LittleEndian, ReadBytesExt, WriteBytesExt};
 use std::io;
 
@@ -9,11 +9,14 @@ impl Transfers {
     pub fn to_bytes(&self) -> Vec<u8> {
         let mut bytes = Vec::new();
         put(&mut bytes, &self.row_of, LittleEndian::write_u32_into);
+        put(&mut bytes, &self.drawn_at, LittleEndian::write_u32_into);
         put_length(&mut bytes, self.chunks.len());
         for chunk in &self.chunks {
-            put(&mut bytes, &chunk.openness, LittleEndian::write_f32_into);
+            let distances: Vec<f32> =
+                chunk.distances.iter().flat_map(|d| [d.openness, d.nearest]).collect();
+            put(&mut bytes, &distances, LittleEndian::write_f32_into);
             put(&mut bytes, &chunk.ends, LittleEndian::write_u32_into);
-            put(&mut bytes, &chunk.columns, LittleEndian::write_u32_into);
+            put(&mut bytes, &chunk.steps, LittleEndian::write_u16_into);
             put(&mut bytes, &chunk.weights, LittleEndian::write_f32_into);
         }
         bytes
@@ -30,11 +33,11 @@ impl Transfers {
         let rows_of = |chunk: &Chunk| {
             let ends = &chunk.ends;
             ends.len() <= CHUNK
-                && ends.len() == chunk.openness.len()
+                && ends.len() == chunk.distances.len()
                 && ends.is_sorted()
-                && ends.last().copied().unwrap_or(0) as usize == chunk.columns.len()
-                && chunk.columns.len() == chunk.weights.len()
-                && chunk.columns.iter().all(|&c| (c as usize) < patches)
+                && ends.last().copied().unwrap_or(0) as usize == chunk.steps.len()
+                && chunk.steps.len() == chunk.weights.len()
+                && (0..ends.len()).all(|i| last_column(chunk.row(i).0) < patches as u64)
                 && chunk.weights.iter().all(|w| w.is_finite())
         };
         let is_row = |&at: &u32| {
@@ -42,45 +45,59 @@ impl Transfers {
             chunk.is_some_and(|c| at as usize % CHUNK < c.ends.len())
         };
         self.row_of.len() == patches
+            && self.drawn_at.len() == patches
+            && self.drawn_at.iter().all(|&i| (i as usize) < patches)
             && self.chunks.iter().all(rows_of)
             && self.row_of.iter().all(is_row)
     }
+}
+
+/// The column that the steps of a row lead to.
+fn last_column(steps: &[u16]) -> u64 {
+    steps.iter().map(|&s| u64::from(s)).sum()
 }
 
 fn put_length(bytes: &mut Vec<u8>, length: usize) {
     bytes.write_u64::<LittleEndian>(length as u64).expect("memory takes all");
 }
 
-/// Appends a list of numbers of four bytes each, after its length.
+/// Appends a list of numbers after its length.
 fn put<T>(bytes: &mut Vec<u8>, values: &[T], write: fn(&[T], &mut [u8])) {
     put_length(bytes, values.len());
     let from = bytes.len();
-    bytes.resize(from + 4 * values.len(), 0);
+    bytes.resize(from + std::mem::size_of_val(values), 0);
     write(values, &mut bytes[from..]);
 }
 
 fn read(bytes: &mut &[u8]) -> io::Result<Transfers> {
     let row_of = get(bytes, LittleEndian::read_u32_into)?;
+    let drawn_at = get(bytes, LittleEndian::read_u32_into)?;
     let mut chunks = Vec::new();
     for _ in 0..bytes.read_u64::<LittleEndian>()? {
+        let distances: Vec<f32> = get(bytes, LittleEndian::read_f32_into)?;
+        let (distances, _) = distances.as_chunks::<2>();
         chunks.push(Chunk {
-            openness: get(bytes, LittleEndian::read_f32_into)?,
+            distances: distances
+                .iter()
+                .map(|&[openness, nearest]| Distances { openness, nearest })
+                .collect(),
             ends: get(bytes, LittleEndian::read_u32_into)?,
-            columns: get(bytes, LittleEndian::read_u32_into)?,
+            steps: get(bytes, LittleEndian::read_u16_into)?,
             weights: get(bytes, LittleEndian::read_f32_into)?,
             overlay: Vec::new(),
         });
     }
-    Ok(Transfers { chunks, row_of, drawn: 0 })
+    Ok(Transfers { chunks, row_of, drawn_at, drawn: 0 })
 }
 
 fn get<T: Clone + Default>(bytes: &mut &[u8], read: fn(&[u8], &mut [T])) -> io::Result<Vec<T>> {
     let length = bytes.read_u64::<LittleEndian>()?;
-    let size = length.checked_mul(4).filter(|&size| size <= bytes.len() as u64);
+    let each = size_of::<T>();
+    let size = length.checked_mul(each as u64).filter(|&size| size <= bytes.len() as u64);
     let size = size.ok_or(io::ErrorKind::UnexpectedEof)? as usize;
     let (own, rest) = bytes.split_at(size);
     *bytes = rest;
-    let mut values = vec![T::default(); size / 4];
+    let mut values = vec![T::default(); size / each];
     read(own, &mut values);
     Ok(values)
 }
@@ -92,10 +109,12 @@ mod tests {
 
     fn transfers() -> Transfers {
         let mut chunk = Chunk::default();
-        chunk.push(&[(PatchId(1), 0.25), (PatchId(2), 0.5)], 8.0);
-        chunk.push(&[], f32::INFINITY);
-        chunk.push(&[(PatchId(0), 1.0)], 2.0);
-        Transfers { chunks: vec![chunk], row_of: vec![0, 1, 2, 2], drawn: 3 }
+        let distances = |openness, nearest| Distances { openness, nearest };
+        chunk.push(&[(PatchId(1), 0.25), (PatchId(2), 0.5)], distances(8.0, 1.0));
+        chunk.push(&[], distances(f32::INFINITY, f32::INFINITY));
+        chunk.push(&[(PatchId(0), 1.0)], distances(2.0, 1.5));
+        let (row_of, drawn_at) = (vec![0, 1, 2, 2], vec![0, 1, 2, 2]);
+        Transfers { chunks: vec![chunk], row_of, drawn_at, drawn: 3 }
     }
 
     #[test]
@@ -104,7 +123,8 @@ mod tests {
         let back = Transfers::from_bytes(&bytes, 4).unwrap();
         assert_eq!((back.to_bytes(), back.drawn()), (bytes, 0));
         for i in 0..4 {
-            assert_eq!((back.row(i), back.openness(i)), (rows.row(i), rows.openness(i)));
+            assert_eq!((back.row(i), back.distances(i)), (rows.row(i), rows.distances(i)));
+            assert_eq!(back.drawn_at(i), rows.drawn_at(i));
         }
     }
 
@@ -120,7 +140,7 @@ mod tests {
                 let mut bytes = bytes.clone();
                 bytes[at] = value;
                 if let Some(rows) = Transfers::from_bytes(&bytes, 4) {
-                    let seen = (0..4).flat_map(|i| rows.row(i).0.iter().copied());
+                    let seen = (0..4).flat_map(|i| rows.row(i).0);
                     assert!(seen.max().unwrap_or(0) < 4);
                 }
             }

@@ -8,9 +8,9 @@ use crate::scene::Tracer;
 /// Rows drawn for an estimate.
 const ROWS: usize = 64;
 /// Bytes of a stored form factor.
-const ENTRY: f64 = 8.0;
+const ENTRY: f64 = 6.0;
 /// Bytes that a row takes besides.
-const ROW: f64 = 12.0;
+const ROW: f64 = 16.0;
 
 impl Transfers {
     /// Bytes that [`shared`](Self::shared) transfers will take, from the rows of some leaders: how many
@@ -32,7 +32,7 @@ impl Transfers {
             gatherer.look(&View::turned(patch.eye, patch.normal, leader.into()));
             drawn += 1.0;
             entries += gatherer.row().len() as f64;
-            let reach = share * gatherer.openness();
+            let reach = share * gatherer.distances().openness;
             for &i in followers.of_leader(leader) {
                 led += 1.0;
                 let near = patches.patches[i as usize].eye.distance(patch.eye) < reach;
@@ -42,7 +42,7 @@ impl Transfers {
         let rest = (leaders.len() - all.len()) as f64;
         let rows = all.len() as f64 + rest * alone / f64::max(led, 1.0);
         let row = ENTRY * entries / f64::max(drawn, 1.0) + ROW;
-        (rows * row) as u64 + 4 * leaders.len() as u64
+        (rows * row) as u64 + 8 * leaders.len() as u64
     }
 }
 
