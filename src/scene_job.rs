@@ -33,7 +33,7 @@ pub fn run(cli: &Cli, path: &Path, visible: bool, writing: &Mutex<()>) -> anyhow
         return crate::sweep_job::run(folder, &mut bench, cli.quiet, visible);
     }
     if cli.accuracy.estimate {
-        print!("{}", crate::estimate_table::of_text(&aim::estimate_text(&scene)?));
+        print!("{}", crate::estimate_table::of_text(&aim::estimate_text(&scene, |_| true)?));
         return Ok(());
     }
     let target = cli.output.clone().unwrap_or_else(|| lit_name(path));
@@ -114,7 +114,7 @@ fn chosen(cli: &Cli, scene: &TextScene) -> anyhow::Result<(Option<NearLimits>, V
     let Some(target) = cli.accuracy.target_error else { return Ok((cli.near(), Vec::new())) };
     let quality = aim::text_quality(target);
     let start = Instant::now();
-    let predicted = aim::estimate_text(scene)?;
+    let predicted = aim::estimate_text(scene, |q| q == quality)?;
     let pilot = start.elapsed().as_secs_f64();
     let of = predicted.iter().find(|p| p.quality == quality);
     let (seconds, error) = of.map_or((0.0, 0.0), |p| (p.seconds, p.error));

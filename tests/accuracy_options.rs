@@ -161,6 +161,7 @@ fn errors_can_be_asked_for() {
 }
 
 #[test]
+#[ignore = "needs a machine whose load does not change while it runs"]
 fn time_budgets_are_kept() {
     let folder = tempfile::tempdir().unwrap();
     let map = copy(folder.path(), "styles.bsp");

@@ -45,11 +45,14 @@ pub fn text_quality(target: f64) -> Quality {
     enough.map_or(Quality::Final, |e| e.0)
 }
 
-/// Predicts each preset.
+/// Predicts the presets that are `wanted`.
 ///
 /// # Errors
 /// When the scene's hemicube size is out of range.
-pub fn estimate_text(scene: &TextScene) -> Result<Vec<TextPredicted>> {
+pub fn estimate_text(
+    scene: &TextScene,
+    wanted: impl Fn(Quality) -> bool,
+) -> Result<Vec<TextPredicted>> {
     let begin = Instant::now();
     let size = HemicubeSize::new(scene.hemicube[0], scene.hemicube[1])?;
     let patches = TextPatches::new(scene);
@@ -109,5 +112,5 @@ pub fn estimate_text(scene: &TextScene) -> Result<Vec<TextPredicted>> {
         let memory = 6e6 + factors * 8.5 + count as f64 * 1500.0;
         TextPredicted { quality, seconds: plain + begun + improving + passes, memory, error }
     };
-    Ok(ERRORS.map(of).to_vec())
+    Ok(ERRORS.into_iter().filter(|e| wanted(e.0)).map(of).collect())
 }
