@@ -191,7 +191,7 @@ fn every_path_that_cannot_be_used_is_refused() {
         match name {
             // A folder that is searched need not be there.
             "path" => continue,
-            "dump-lightmaps" | "cache" => {
+            "dump-lightmaps" | "cache" | "sweep" => {
                 bad = vec![place.map.clone(), bad[2].clone(), "/proc/nowhere".into()];
             }
             "output" | "preview" => {

@@ -177,8 +177,12 @@ fn what_is_off_takes_nothing_and_what_is_on_changes_nothing_else() {
         for ((name, before), (_, after)) in pair.without.named().into_iter().zip(pair.with.named())
         {
             if pair.counters.contains(&name) {
-                // The room has a lamp already.
-                let first = if name == "rays of lights" { pair.without.rays.lights } else { 0 };
+                // The room has a lamp already, and luxels that no patch is near to must always look.
+                let first = match name {
+                    "rays of lights" => pair.without.rays.lights,
+                    FOLLOWS if pair.without.factors > 0 => pair.without.hemicubes[1],
+                    _ => 0,
+                };
                 assert_eq!(before, first, "{}: {name} without it", pair.name);
                 assert!(after > before, "{}: {name} with it", pair.name);
                 without.push(format!("{before} {name}"));

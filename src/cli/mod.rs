@@ -216,7 +216,10 @@ impl Cli {
         if self.bounces == Some(BounceCount::All) {
             overrides.push(("bounce".into(), ALL_BOUNCES.into()));
         }
-        let cells = self.hemicube.unwrap_or(self.quality.hemicube());
+        // Lamps that emit as areas are small and bright: no luxel may miss one.
+        let area = matches!(self.surface_lights, SurfaceLightsArg::Area);
+        let least = if area { Quality::High.hemicube() } else { 0 };
+        let cells = self.hemicube.unwrap_or(self.quality.hemicube().max(least));
         Settings {
             hemicube: HemicubeSize::new(cells, cells)?,
             patch_size: self.patch_size.unwrap_or(self.quality.patch_size()),

@@ -70,7 +70,7 @@ fn spread(
 }
 
 /// Mean direction from each patch to the exitance that it sees, weighted by what arrives: shorter than
-/// 1 by as much as the light is spread out, and zero where none arrives.
+/// 1 by as much as the light is spread out, and zero where none arrives or another patch looks for it.
 fn mean_directions(sources: Sources<'_>, exitance: &[Exitance]) -> Vec<Vec3> {
     let patches = &sources.patches.set.patches;
     let strengths: Vec<f32> = exitance.iter().map(|m| strength(m.0)).collect();
@@ -78,6 +78,9 @@ fn mean_directions(sources: Sources<'_>, exitance: &[Exitance]) -> Vec<Vec3> {
         .into_par_iter()
         .with_min_len(64)
         .map(|i| {
+            if sources.transfers.drawn_at(i) != i {
+                return Vec3::ZERO;
+            }
             let (mut vector, mut sum) = (Vec3::ZERO, 0.0);
             for (j, f) in sources.transfers.entries(i) {
                 let arriving = f * strengths[j as usize];
@@ -115,8 +118,10 @@ impl<'a> Blend<'a> {
         let members = |surface: usize| first[surface]..first[surface + 1];
         let patch = |i: u32| &sources.patches.set.patches[i as usize];
         let largest = members(surface).map(|i| patch(i).area).fold(0.0, f32::max);
-        let mut blend =
-            Self { sources, means, reach: REACH * largest.sqrt(), cells: HashMap::new() };
+        let shared = members(surface).any(|i| sources.transfers.drawn_at(i as usize) != i as usize);
+        // One of two by two may look for all.
+        let apart = if shared { 2.0 * largest.sqrt() } else { largest.sqrt() };
+        let mut blend = Self { sources, means, reach: REACH * apart, cells: HashMap::new() };
         let mut surfaces: Vec<usize> = sources.scene.continuations(surface).collect();
         surfaces.push(surface);
         surfaces.sort_unstable();

@@ -6,6 +6,7 @@
 //! Salkauskas, 1981) to the points that it can see. The value depends on where the luxel is in the
 //! world and not on its face, so coplanar and smoothly touching faces meet without a seam.
 
+use super::overlooked::overlooked;
 use crate::scene::{Barriers, Sample};
 use glam::{DMat3, DVec3, Vec3};
 use std::collections::HashMap;
@@ -24,6 +25,8 @@ const BEND: f32 = 3.0;
 const RAISED: f32 = 8.0;
 /// Weight that the points seen must have together: one in the middle, or several around.
 const ENOUGH: f64 = 0.4;
+/// Luxels with less than this share of the map's mean light are interpolated whatever is right beside them.
+const DIM: f64 = 0.3;
 /// Holds the gradient back where points do not determine it, relative to the weights.
 const RIDGE: f64 = 0.02;
 
@@ -33,6 +36,7 @@ pub(super) struct Known {
     position: Vec3,
     normal: Vec3,
     reach: f32,
+    openness: f32,
 }
 
 impl Known {
@@ -42,7 +46,8 @@ impl Known {
     /// reach out of it.
     pub fn new(position: Vec3, normal: Vec3, openness: f32, apart: f32) -> Self {
         let low = apart.min(GAP * openness).clamp(REACH[0], REACH[1]);
-        Self { position, normal, reach: (TRUST * openness).clamp(low, REACH[1]) }
+        let reach = (TRUST * openness).clamp(low, REACH[1]);
+        Self { position, normal, reach, openness }
     }
 }
 
@@ -110,6 +115,7 @@ impl Interpolator {
         let mut moments = DMat3::ZERO;
         let mut used: Vec<(u32, DVec3)> = Vec::new();
         let (mut rhs, mut squares) = (DVec3::ZERO, 0.0);
+        let (mut centre, mut nearness) = (DVec3::ZERO, 0.0);
         for &i in candidates {
             let point = &self.known[i as usize];
             let offset = point.position - sample.position;
@@ -124,6 +130,8 @@ impl Interpolator {
             let level = self.level[i as usize];
             rhs += basis * (weight * level);
             squares += weight * level * level;
+            centre += offset.as_dvec3() * weight;
+            nearness += weight / f64::from(point.openness);
         }
         if moments.x_axis.x < ENOUGH {
             return false;
@@ -145,6 +153,13 @@ impl Interpolator {
         let mean = self.sum / self.known.len() as f64;
         let tolerance = self.error * 0.5 * (fit.x.abs() + mean.abs());
         if residual > tolerance * tolerance {
+            return false;
+        }
+        let (centre, openness) = ((centre / total).as_vec3(), (total / nearness) as f32);
+        if self.error.is_finite()
+            && fit.x.abs() > DIM * mean.abs()
+            && overlooked(barriers, sample, centre, openness)
+        {
             return false;
         }
         out.clear();

@@ -8,6 +8,7 @@ mod finish;
 mod indirect;
 mod interpolate;
 mod light_grid;
+mod overlooked;
 mod pack;
 mod probes;
 mod refine;

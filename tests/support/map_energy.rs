@@ -80,14 +80,17 @@ fn style(map: &Prepared, lit: &Lit, light: &PatchLight) -> (f64, f64) {
     for (i, patch) in map.patches.set.patches.iter().enumerate() {
         let rho = patch.reflectance.0.as_dvec3();
         let (columns, factors) = map.transfers.row(i);
-        let (mut arrives, mut row) = (DVec3::ZERO, 0.0);
-        for (&j, &f) in columns.iter().zip(&factors) {
-            arrives += m[j as usize] * f64::from(f);
-            row += f64::from(f);
+        let (mut arrives, mut row) = (DVec3::ZERO, DVec3::ZERO);
+        let opaque = columns.iter().zip(&factors).map(|(&j, &f)| (j, DVec3::splat(f64::from(f))));
+        // What glass takes from the light that passes it.
+        let panes = map.transfers.overlay_row(i).iter().map(|&(j, f)| (j, f.as_dvec3()));
+        for (j, f) in opaque.chain(panes) {
+            arrives += m[j as usize] * f;
+            row += f;
         }
         let reflected = rho * direct[i].0.as_dvec3();
         first += reflected * area(map, i);
-        spent += (arrives * (DVec3::ONE - rho) + m[i] * (1.0 - row)) * area(map, i);
+        spent += (arrives * (DVec3::ONE - rho) + m[i] * (DVec3::ONE - row)) * area(map, i);
         change = change.max((reflected + rho * arrives - m[i]).abs().max_element());
         most = most.max(m[i].abs().max_element());
     }
