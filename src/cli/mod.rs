@@ -75,7 +75,7 @@ pub struct Cli {
     #[arg(long, value_enum, default_value_t, requires = "patches", help_heading = "Bounced light")]
     pub near_field: NearFieldArg,
 
-    /// Edge of a hemicube in cells, even: more is finer and slower [default: 16; high: 32; final: 64]
+    /// Edge of a hemicube in cells, even: more is finer and slower [default: 16; high and area lights: 32; final: 64]
     #[arg(long, value_name = "CELLS", help_heading = "Bounced light")]
     pub hemicube: Option<u32>,
 
