@@ -73,8 +73,8 @@ fn luxels_beside_a_dark_pilaster_see_it() {
             room.pillar([0.0, 192.0 - depth, 0.0], [64.0, 192.0, 192.0], 1)
         });
         let beside = |l: &Luxel| {
-            l.normal.y < -0.9 && l.at.y > 190.0 && (56.0..72.0).contains(&l.at.x)
-                || l.normal.y < -0.9 && l.at.y > 190.0 && (-8.0..0.0).contains(&l.at.x)
+            let beside = (56.0..72.0).contains(&l.at.x) || (-8.0..0.0).contains(&l.at.x);
+            l.normal.y < -0.9 && l.at.y > 190.0 && beside
         };
         assert!(worst(&format!("pilaster {depth} deep"), &all, beside) < 0.1, "{depth}");
     }
