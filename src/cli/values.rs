@@ -3,7 +3,7 @@
 use crate::scene::ALL_BOUNCES;
 use clap::ValueEnum;
 
-/// Spelling of [`Gather`].
+/// Spelling of [`Gather`](crate::lightmap::Gather).
 #[derive(Clone, Copy, Debug, ValueEnum)]
 pub enum GatherArg {
     /// Between the patches around a luxel, where they tell it well: fast
@@ -22,7 +22,7 @@ pub enum NearFieldArg {
     Off,
 }
 
-/// Spelling of [`SurfaceLights`].
+/// Spelling of [`SurfaceLights`](crate::settings::SurfaceLights).
 #[derive(Clone, Copy, Debug, Default, ValueEnum)]
 pub enum SurfaceLightsArg {
     /// As point lights in front of the surface, like light does
