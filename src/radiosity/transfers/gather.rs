@@ -64,31 +64,25 @@ impl Chunk {
         i: usize,
         light: &[[[f64; C]; S]],
     ) -> [[f64; C]; S] {
-        let (steps, weights) = self.row(i);
+        let (runs, mut weights) = self.row(i);
         // Several sums at a time: each addition would wait for the one before.
         let mut sums = [[[0.0; C]; S]; 4];
         let mut column = 0;
-        let (by_four, rest) = steps.as_chunks::<4>();
-        let (weights, last) = weights.as_chunks::<4>();
-        for (steps, weights) in by_four.iter().zip(weights) {
-            // Most rows are dense: neighbours in a row, which need no places of their own.
-            if *steps == [1; 4]
-                && let Some(light) = light[column + 1..].first_chunk::<4>()
-            {
+        for &[skip, length] in runs {
+            let (first, length) = (column + usize::from(skip), usize::from(length));
+            column = first + length;
+            let (own, rest) = weights.split_at(length);
+            weights = rest;
+            let (by_four, last) = light[first..column].as_chunks::<4>();
+            let (own_by_four, own_last) = own.as_chunks::<4>();
+            for (light, weights) in by_four.iter().zip(own_by_four) {
                 for k in 0..4 {
                     add_scaled(&mut sums[k], &light[k], weights[k]);
                 }
-                column += 4;
-                continue;
             }
-            for k in 0..4 {
-                column += usize::from(steps[k]);
-                add_scaled(&mut sums[k], &light[column], weights[k]);
+            for ((sum, light), &weight) in sums.iter_mut().zip(last).zip(own_last) {
+                add_scaled(sum, light, weight);
             }
-        }
-        for ((sum, &step), &weight) in sums.iter_mut().zip(rest).zip(last) {
-            column += usize::from(step);
-            add_scaled(sum, &light[column], weight);
         }
         let [mut a, b, mut c, d] = sums;
         add(&mut a, &b);
