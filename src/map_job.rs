@@ -57,7 +57,7 @@ pub fn run(
         materials: materials.as_ref(),
         texinfo: texinfo.as_deref(),
         content: content.as_deref(),
-        rad: Some(&rad),
+        rad: &rad,
         lights: Some(&lights),
     };
     let obj = target.with_extension("obj");
@@ -281,8 +281,8 @@ fn surface_light_path(map: &Path) -> PathBuf {
 /// Lights of textures from files beside the map and from those that the command line names.
 #[derive(Default)]
 struct TextureLights {
-    /// Lines of `.rad` files.
-    rad: String,
+    /// Names and texts of `.rad` files.
+    rad: Vec<(String, String)>,
     /// Text of `.ent` files.
     lights: String,
 }
@@ -297,9 +297,14 @@ impl TextureLights {
         let mut files = Self::default();
         for path in common.into_iter().chain(own).chain(cli.radlights.iter().cloned()) {
             let is_entities = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("ent"));
-            let text = if is_entities { &mut files.lights } else { &mut files.rad };
-            text.push_str(&String::from_utf8_lossy(&read(&path)?));
-            text.push('\n');
+            let bytes = read(&path)?;
+            let text = String::from_utf8_lossy(&bytes);
+            if is_entities {
+                files.lights.push_str(&text);
+                files.lights.push('\n');
+            } else {
+                files.rad.push((path.display().to_string(), text.into_owned()));
+            }
         }
         Ok(files)
     }

@@ -32,6 +32,10 @@ pub struct Counts {
     pub hemicubes: [u64; 2],
     /// Form factors stored.
     pub transfers: usize,
+    /// Patches that light comes through diffusely.
+    pub passages: usize,
+    /// Patches whose reflectance varies within their face.
+    pub patterned: usize,
     /// Most bounces in any style.
     pub bounces: u32,
     /// Channels of light that bounced; `None` without bounces.
@@ -67,6 +71,8 @@ impl Counts {
             rays,
             hemicubes: [transfers.drawn(), gathered.hemicubes],
             transfers: transfers.len(),
+            passages: patches.set.passages.len(),
+            patterned: patches.patterned,
             bounces: bounced.bounces,
             channels: bounced.channels,
             residual: bounced.residual,

@@ -1,15 +1,20 @@
-//! Off means nothing: pairs of maps that differ in one thing, and what that costs in rays, cells and
-//! bytes. Nothing else changes, and without the thing its counter is zero.
+//! Off means nothing: for each effect of the plan a pair of maps that differ in one thing, and what that
+//! costs in rays, cells and bytes. Nothing else changes, and without the thing its counter is zero.
 //!
 //! `QRAD_WRITE_DOCS=1` puts the table into docs/plan.md.
 
 mod support;
 
+use clap::ValueEnum;
 use qrad::bsp::Format;
 use qrad::light::RayCounts;
+use qrad::outputs::{LitFile, Outputs};
 use qrad::progress::Progress;
+use qrad::radiosity::channels::Channels;
 use qrad::report::Counts;
-use qrad::scene::Sidecar;
+use qrad::scene::effects::{Effect, Switches};
+use qrad::scene::material_file::MaterialFile;
+use qrad::scene::{LuxelSettings, Sidecar};
 use qrad::settings::{Quality, Settings};
 use std::fmt::Write;
 use std::path::Path;
@@ -29,21 +34,31 @@ struct Used {
     /// Hemicubes at patches and at luxels.
     hemicubes: [u64; 2],
     factors: u64,
+    passages: u64,
+    patterned: u64,
     styles: u64,
+    channels: u64,
+    /// Of lumps and of files beside the map.
+    bytes: [u64; 2],
 }
 
 impl Used {
-    fn of(counts: &Counts) -> Self {
+    fn of(counts: &Counts, bytes: [usize; 2]) -> Self {
         Self {
             rays: counts.rays,
             hemicubes: counts.hemicubes,
             factors: counts.transfers as u64,
+            passages: counts.passages as u64,
+            patterned: counts.patterned as u64,
             styles: counts.styles as u64,
+            channels: counts.channels.map_or(0, Channels::count),
+            bytes: bytes.map(|n| n as u64),
         }
     }
 
-    fn named(&self) -> [(&'static str, u64); 11] {
-        let Self { rays: r, hemicubes: [patches, luxels], factors, styles } = *self;
+    fn named(&self) -> [(&'static str, u64); 16] {
+        let Self { rays: r, hemicubes: [patches, luxels], factors, bytes: [lumps, files], .. } =
+            *self;
         [
             ("rays of lights", r.lights),
             ("rays of surface lights", r.surface_lights),
@@ -55,7 +70,12 @@ impl Used {
             ("hemicubes at patches", patches),
             ("hemicubes at luxels", luxels),
             ("form factors", factors),
-            ("styles", styles),
+            ("ways through curtains", self.passages),
+            ("patches with patterns", self.patterned),
+            ("styles", self.styles),
+            ("channels", self.channels),
+            ("bytes of lumps", lumps),
+            ("bytes beside the map", files),
         ]
     }
 }
@@ -88,114 +108,291 @@ fn room(
         )
 }
 
-fn used(map: &MapBuilder, settings: &Settings) -> Used {
-    let mut bsp = map.build(Format::Bsp29);
-    let progress = Progress::new(false);
-    let lit = qrad::light_bsp(&mut bsp, Sidecar::default(), Vec::new(), settings, &progress);
-    Used::of(&lit.unwrap().counts)
+/// A map with what it is lit with.
+struct Case {
+    map: MapBuilder,
+    settings: Settings,
+    materials: &'static str,
+}
+
+impl Case {
+    fn new(map: MapBuilder) -> Self {
+        Self { map, settings: Settings::default(), materials: "" }
+    }
+
+    fn outputs(self, outputs: Outputs) -> Self {
+        Self { settings: Settings { outputs, ..self.settings }, ..self }
+    }
+
+    /// What it takes, and which effects its plan has.
+    fn light(&self) -> (Used, Vec<Effect>) {
+        let mut bsp = self.map.build(Format::Bsp29);
+        let materials = MaterialFile::parse(self.materials, "m").unwrap();
+        let sidecar = Sidecar { materials: Some(&materials), ..Sidecar::default() };
+        let progress = Progress::new(false);
+        let lit =
+            qrad::light_bsp(&mut bsp, sidecar, Vec::new(), &self.settings, &progress).unwrap();
+        let lumps = bsp.bspx.iter().map(|lump| lump.data.len()).sum();
+        let files = [&lit.files.lit, &lit.files.lux].map(|f| f.as_ref().map_or(0, Vec::len));
+        let plan = qrad::plan(&lit.scene, &self.settings);
+        let on = Effect::value_variants().iter().copied().filter(|&e| plan.is_on(e)).collect();
+        (Used::of(&lit.counts, [lumps, files.iter().sum()]), on)
+    }
 }
 
 struct Pair {
+    effect: Effect,
     name: &'static str,
-    without: Used,
-    with: Used,
-    /// What may differ.
+    without: Case,
+    with: Case,
+    /// What grows.
     counters: &'static [&'static str],
+    /// What may differ, too, as light falls elsewhere.
+    follows: &'static [&'static str],
 }
 
-fn pairs() -> Vec<Pair> {
-    let settings = Settings::default();
-    let plain = (&[][..], GLASS);
-    let base = || room(&[], &[], plain, "");
-    let without = used(&base(), &settings);
-    let pair = |name, with: &MapBuilder, counters| Pair {
-        name,
-        without,
-        with: used(with, &settings),
-        counters,
-    };
-    let second = entity("light", &[("origin", "100 100 200"), ("light", "200")]);
-    let negative = entity("light", &[("origin", "100 100 200"), ("light", "-200")]);
-    let shining = entity("light", &[("origin", "0 0 9"), ("light", "100"), ("_surface", "lamp")]);
-    let least = entity("light", &[("origin", "0 0 200"), ("light", "60"), ("delay", "4")]);
-    let of_lights = &["rays of lights"][..];
-    let filtered = &["rays tested against filters"][..];
-    vec![
-        pair("one more light", &room(&[], &[], plain, &second), of_lights),
-        pair("a negative light", &room(&[], &[], plain, &negative), of_lights),
-        pair("a shining texture", &room(&[], &[], plain, &shining), &["rays of surface lights"]),
-        pair("a sun", &room(&[("_sunlight", "100")], &[], plain, ""), &["rays of suns"]),
-        pair("a sky dome", &room(&[("_sunlight2", "100")], &[], plain, ""), &["rays of domes"]),
-        pair("dirt", &room(&[("_dirt", "1")], &[], plain, ""), &["rays of dirt"]),
-        pair("a light of least light", &room(&[], &[], plain, &least), &["rays of least light"]),
-        pair("least light of the world", &room(&[("_minlight", "9")], &[], plain, ""), &[]),
-        pair("a fence", &room(&[], &[], (&[("_shadow", "1")], FENCE), ""), filtered),
-        Pair {
-            name: "glass",
-            without: used(&room(&[], &[], (&[("alpha", "0.5")], GLASS), ""), &settings),
-            with: used(
-                &room(&[], &[], (&[("_shadow", "1"), ("alpha", "0.5")], GLASS), ""),
-                &settings,
-            ),
-            counters: filtered,
-        },
-        pair(
-            "a shadow on the world only",
-            &room(&[], &[], (&[("_shadowworldonly", "1")], GLASS), ""),
-            filtered,
-        ),
-        Pair {
-            name: "bounces",
-            without: used(&room(&[("_bounce", "0")], &[], plain, ""), &settings),
-            with: without,
-            counters: &["hemicubes at patches", "hemicubes at luxels", "form factors"],
-        },
-        Pair {
-            name: "luxels that look for themselves",
-            without: used(
-                &base(),
-                &Settings { gather_error: f64::INFINITY, ..Settings::of_quality(Quality::Normal) },
-            ),
-            with: without,
-            counters: &["hemicubes at luxels"],
-        },
-    ]
-}
-
+const LIGHTS: &str = "rays of lights";
+const FILTERED: &str = "rays tested against filters";
+const LUMPS: &str = "bytes of lumps";
+const FILES: &str = "bytes beside the map";
 /// Hemicubes at luxels depend on where light varies, so any light may change their number a little.
 const FOLLOWS: &str = "hemicubes at luxels";
 /// What patches see, and with that which of them share a hemicube, depends on what stands in the room.
 const OF_PATCHES: [&str; 2] = ["hemicubes at patches", "form factors"];
 
+const CLOTH: &str = "[[material]]\ntexture = \"glass\"\nreflectance = [0.5, 0.5, 0.5]\n";
+const CURTAIN: &str = "[[material]]\ntexture = \"glass\"\nreflectance = [0.5, 0.5, 0.5]\n\
+    diffuse_transmission = 0.4\n";
+const CHECKER: &str = "[[material]]\ntexture = \"glass\"\nreflectance = [0.5, 0.5, 0.5]\n\
+    modifier = { kind = \"checker\", size = 32, colour = 0.5 }\n";
+
+/// Effects of light.
+fn of_light() -> Vec<Pair> {
+    let plain = (&[][..], GLASS);
+    let base = || Case::new(room(&[], &[], plain, ""));
+    let pair = |effect, name, with, counters| Pair {
+        effect,
+        name,
+        without: base(),
+        with: Case::new(with),
+        counters,
+        follows: &[],
+    };
+    let at = |keys: &[(&str, &str)]| {
+        entity("light", &[&[("origin", "100 100 200"), ("light", "200")], keys].concat())
+    };
+    let second = at(&[]);
+    let negative = entity("light", &[("origin", "100 100 200"), ("light", "-200")]);
+    let shining = entity("light", &[("origin", "0 0 9"), ("light", "100"), ("_surface", "lamp")]);
+    let least = entity("light", &[("origin", "0 0 200"), ("light", "60"), ("delay", "4")]);
+    let world = |key| room(&[key], &[], plain, "");
+    let more = |text: &str| room(&[], &[], plain, text);
+    let screen = |keys, texture| room(&[], &[], (keys, texture), "");
+    let filtered = &[FILTERED][..];
+    vec![
+        pair(Effect::Lights, "one more light", more(&second), &[LIGHTS]),
+        pair(Effect::NegativeLight, "a negative light", more(&negative), &[LIGHTS]),
+        Pair {
+            without: Case::new(more(&second)),
+            follows: &[FILES],
+            ..pair(Effect::Styles, "a light of style 5", more(&at(&[("style", "5")])), &["styles"])
+        },
+        Pair {
+            follows: &[LIGHTS],
+            ..pair(
+                Effect::Projections,
+                "a lamp that projects",
+                room(
+                    &[],
+                    &[("_project_texture", "glass"), ("_project_mangle", "0 -90 0")],
+                    plain,
+                    "",
+                ),
+                &[],
+            )
+        },
+        pair(
+            Effect::SurfaceLights,
+            "a shining texture",
+            more(&shining),
+            &["rays of surface lights"],
+        ),
+        pair(Effect::Suns, "a sun", world(("_sunlight", "100")), &["rays of suns"]),
+        pair(Effect::SkyDomes, "a sky dome", world(("_sunlight2", "100")), &["rays of domes"]),
+        pair(Effect::Dirt, "dirt", world(("_dirt", "1")), &["rays of dirt"]),
+        pair(Effect::Minlight, "a light of least light", more(&least), &["rays of least light"]),
+        pair(Effect::Minlight, "least light of the world", world(("_minlight", "9")), &[]),
+        Pair {
+            follows: &[LIGHTS],
+            ..pair(Effect::Phong, "smoothed normals", screen(&[("_phong", "1")], GLASS), &[])
+        },
+        pair(Effect::Fences, "a fence", screen(&[("_shadow", "1")], FENCE), filtered),
+        Pair {
+            without: Case::new(screen(&[("alpha", "0.5")], GLASS)),
+            ..pair(
+                Effect::Glass,
+                "glass",
+                screen(&[("_shadow", "1"), ("alpha", "0.5")], GLASS),
+                filtered,
+            )
+        },
+        pair(
+            Effect::ModelShadows,
+            "a shadow on the world only",
+            screen(&[("_shadowworldonly", "1")], GLASS),
+            filtered,
+        ),
+    ]
+}
+
+/// Effects that a material file or settings decide.
+fn of_settings() -> Vec<Pair> {
+    let base = || Case::new(room(&[], &[], (&[], GLASS), ""));
+    let cloth = |materials| Case { materials, ..base() };
+    let set = |settings| Case { settings, ..base() };
+    let outputs = |outputs| base().outputs(outputs);
+    let pair = |effect, name, with, counters| Pair {
+        effect,
+        name,
+        without: base(),
+        with,
+        counters,
+        follows: &[],
+    };
+    let default = Outputs::default;
+    let bounced = &["hemicubes at patches", FOLLOWS, "form factors"][..];
+    let grey = Switches::parse("-colour").unwrap();
+    let luxels = LuxelSettings { world_units: Some(8.0), ..LuxelSettings::default() };
+    let mut fine = Settings::default();
+    fine.smoothing.extra = 4;
+    vec![
+        Pair {
+            without: cloth(CLOTH),
+            ..pair(Effect::Curtains, "a curtain", cloth(CURTAIN), &["ways through curtains"])
+        },
+        Pair {
+            without: cloth(CLOTH),
+            ..pair(Effect::Shaders, "a checker", cloth(CHECKER), &["patches with patterns"])
+        },
+        Pair {
+            without: set(Settings { switches: grey, ..Settings::default() }),
+            ..pair(Effect::Colour, "colour", base(), &["channels", FILES])
+        },
+        Pair {
+            without: Case::new(room(&[("_bounce", "0")], &[], (&[], GLASS), "")),
+            follows: &["channels", FILES],
+            ..pair(Effect::Bounces, "bounces", base(), bounced)
+        },
+        Pair {
+            without: set(Settings {
+                gather_error: f64::INFINITY,
+                ..Settings::of_quality(Quality::Normal)
+            }),
+            ..pair(Effect::NearField, "luxels that look for themselves", base(), &[FOLLOWS])
+        },
+        pair(Effect::Supersampling, "16 samples a luxel", set(fine), &[LIGHTS]),
+        Pair {
+            without: outputs(Outputs { lit: LitFile::Never, ..default() }),
+            ..pair(Effect::Lit, "a .lit file", base(), &[FILES])
+        },
+        pair(
+            Effect::Hdr,
+            "light beyond bytes",
+            outputs(Outputs { bspx_hdr: true, lit: LitFile::Always, ..default() }),
+            &[LUMPS],
+        ),
+        pair(
+            Effect::BspxLight,
+            "colours in the map",
+            outputs(Outputs { bspx_lit: true, lit: LitFile::Always, ..default() }),
+            &[LUMPS],
+        ),
+        pair(
+            Effect::Directions,
+            "where light comes from",
+            outputs(Outputs { bspx_lux: true, ..default() }),
+            &[LUMPS],
+        ),
+        pair(
+            Effect::FaceNormals,
+            "normals at corners",
+            outputs(Outputs { face_normals: true, ..default() }),
+            &[LUMPS],
+        ),
+        pair(
+            Effect::FaceStyles,
+            "room for 8 styles a face",
+            outputs(Outputs { face_styles: 8, ..default() }),
+            &[],
+        ),
+        Pair {
+            follows: &[OF_PATCHES[0], OF_PATCHES[1], LIGHTS, FILES],
+            ..pair(
+                Effect::LuxelSizes,
+                "luxels of 8 units",
+                outputs(Outputs { luxels, ..default() }),
+                &[LUMPS],
+            )
+        },
+        pair(
+            Effect::LightGrid,
+            "light at points in space",
+            Case::new(room(&[("_lightgrid", "1")], &[], (&[], GLASS), "")),
+            &[LUMPS],
+        ),
+    ]
+}
+
+/// What is there even without the thing: the room has a lamp and one style in one channel, and luxels that
+/// no patch is near to must always look.
+fn least(name: &str, without: &Used) -> u64 {
+    match name {
+        LIGHTS => without.rays.lights,
+        FOLLOWS if without.factors > 0 => without.hemicubes[1],
+        "styles" | "channels" if without.factors > 0 => 1,
+        _ => 0,
+    }
+}
+
 #[test]
 fn what_is_off_takes_nothing_and_what_is_on_changes_nothing_else() {
-    let pairs = pairs();
-    let mut table = String::from("| a map with | and without it | with it |\n|---|---|---|\n");
-    for pair in &pairs {
-        let (mut without, mut with) = (Vec::new(), Vec::new());
-        let filters = pair.counters.contains(&"rays tested against filters");
-        for ((name, before), (_, after)) in pair.without.named().into_iter().zip(pair.with.named())
-        {
-            if pair.counters.contains(&name) {
-                // The room has a lamp already, and luxels that no patch is near to must always look.
-                let first = match name {
-                    "rays of lights" => pair.without.rays.lights,
-                    FOLLOWS if pair.without.factors > 0 => pair.without.hemicubes[1],
-                    _ => 0,
-                };
-                assert_eq!(before, first, "{}: {name} without it", pair.name);
-                assert!(after > before, "{}: {name} with it", pair.name);
-                without.push(format!("{before} {name}"));
-                with.push(format!("{after} {name}"));
-            } else if name != FOLLOWS && !(filters && OF_PATCHES.contains(&name)) {
-                assert_eq!(after, before, "{}: {name}", pair.name);
+    let mut table =
+        String::from("| effect | a map with | and without it | with it |\n|---|---|---|---|\n");
+    let mut seen = Vec::new();
+    for Pair { effect, name: thing, without, with, counters, follows } in
+        of_light().into_iter().chain(of_settings())
+    {
+        let [(without, off), (with, on)] = [without, with].map(|case| case.light());
+        assert!(on.contains(&effect), "{thing}: {effect:?} with it");
+        assert!(effect == Effect::Lights || !off.contains(&effect), "{thing}: without it");
+        let filters = counters.contains(&FILTERED);
+        let [mut before_all, mut after_all] = [Vec::new(), Vec::new()];
+        for ((name, before), (_, after)) in without.named().into_iter().zip(with.named()) {
+            let grows = counters.contains(&name);
+            if grows {
+                assert_eq!(before, least(name, &without), "{thing}: {name} without it");
+                assert!(after > before, "{thing}: {name} with it");
+            } else if !follows.contains(&name)
+                && name != FOLLOWS
+                && !(filters && OF_PATCHES.contains(&name))
+            {
+                assert_eq!(after, before, "{thing}: {name}");
+            }
+            if grows || follows.contains(&name) && after != before {
+                before_all.push(format!("{before} {name}"));
+                after_all.push(format!("{after} {name}"));
             }
         }
         let list = |parts: &[String]| match parts {
             [] => "the same".to_owned(),
             parts => parts.join(", "),
         };
-        let _ = writeln!(table, "| {} | {} | {} |", pair.name, list(&without), list(&with));
+        let (before, after) = (list(&before_all), list(&after_all));
+        let _ = writeln!(table, "| {} | {thing} | {before} | {after} |", effect.name());
+        seen.push(effect);
+    }
+    for effect in Effect::value_variants() {
+        assert!(seen.contains(effect), "no pair shows what {effect:?} costs");
     }
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/plan.md");
     let text = std::fs::read_to_string(&file).unwrap();

@@ -150,10 +150,10 @@ fn lines_of_rad_files_and_emission_agree() {
     };
     let emission = material("p*l", "emission = { colour = [1, 0.5, 0], intensity = 120 }");
     let own = lit(&map, &settings(None), &emission);
-    let rad = "panel 255 127.5 0 120\n";
+    let rad = [("lights.rad".to_owned(), "panel 255 127.5 0 120\n".to_owned())];
     let with_rad = |materials: &str| {
         let file = MaterialFile::parse(materials, "m").unwrap();
-        let sidecar = Sidecar { rad: Some(rad), materials: Some(&file), ..Sidecar::default() };
+        let sidecar = Sidecar { rad: &rad, materials: Some(&file), ..Sidecar::default() };
         light(&LitLight::with(&map, &settings(None), sidecar))
     };
     assert!(light(&own).iter().any(|e| e.x > 1.0));

@@ -40,3 +40,9 @@ fn switchable_lights_keep_energy_and_reciprocity_and_their_residual_is_true() {
     // Eight small lamps, each a style of its own.
     hold("styles.bsp", 0.01, 0.02);
 }
+
+#[test]
+fn light_that_passes_keeps_energy_and_reciprocity_and_its_residual_is_true() {
+    // Stained glass, a paper lantern, a curtain, texels that shine, a checker.
+    hold("through.bsp", 0.01, 0.02);
+}

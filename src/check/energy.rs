@@ -33,12 +33,15 @@ impl Energy {
         // ray of others ends on them.
         let mut seen = vec![(0.0, 0_u32); exitance.len()];
         let mut sees = vec![0.0; exitance.len()];
+        // What of that translucent surfaces change, a channel.
+        let mut changed = vec![DVec3::ZERO; exitance.len()];
         for (i, patch) in patches.patches.iter().enumerate() {
             for (j, f) in transfers.entries(i) {
                 let of = &mut seen[j as usize];
                 *of = (of.0 + f64::from(patch.area * f), of.1 + 1);
                 sees[i] += f64::from(f);
             }
+            changed[i] = transfers.overlay_row(i).iter().map(|(_, f)| f.as_dvec3()).sum();
         }
         let (mut all, mut sent, mut arrived) = (0.0, 0.0, 0.0);
         let mut dead = (0, None);
@@ -46,7 +49,7 @@ impl Energy {
             let area = f64::from(patch.area);
             let light = area * exitance[i].element_sum();
             all += light;
-            sent += light * sees[i];
+            sent += light * sees[i] + area * exitance[i].dot(changed[i]);
             let (by_others, witnesses) = seen[i];
             if witnesses == 0 {
                 continue;

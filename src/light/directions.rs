@@ -1,6 +1,7 @@
 //! Where light comes from: what deluxemaps hold (contract sections 1.6 and 4.6).
 
 use super::point::NEAREST;
+use crate::scene::effects::COMPILED;
 use glam::Vec3;
 
 /// Where the light of one style comes from.
@@ -39,7 +40,7 @@ impl Directions {
     /// Adds light of a style to sample `i` of `count`: `way` leads to its source, whose distance does
     /// not matter unless it is next to nothing, when it counts as straight above.
     pub(super) fn add(&mut self, style: u16, (i, count): (usize, usize), way: Vec3, colour: Vec3) {
-        if self.wanted {
+        if COMPILED && self.wanted {
             let towards = if way.length() < NEAREST { Vec3::Z } else { way.normalize_or_zero() };
             self.add_vector(style, (i, count), towards * strength(colour));
         }

@@ -2,6 +2,7 @@
 //! 6.3). Rays into the half space over a luxel measure how much room it has.
 
 use super::tiles::{Tile, Tiles};
+use crate::scene::effects::COMPILED;
 use crate::scene::exact::{dot, normalize, radians};
 use crate::scene::{Bounds, DirtKeys, DirtSettings, Floor, LightRays, Sample, Scene};
 use glam::Vec3;
@@ -33,7 +34,7 @@ impl FaceDirt {
     ) -> Self {
         let settings = &scene.world.dirt;
         let surface = &scene.surfaces[index];
-        if !settings.in_use || surface.no_dirt {
+        if !COMPILED || !settings.in_use || surface.no_dirt {
             return Self::default();
         }
         let mut room = Room {
@@ -71,7 +72,8 @@ impl FaceDirt {
     /// Share of the light of a consumer that dirt leaves at a sample, 0 to 1. `distance` is that of
     /// the light, in world units; 0 for light without a place.
     pub(crate) fn factor(&self, sample: usize, keys: &DirtKeys, distance: f32) -> f32 {
-        let Some(&occlusion) = self.occlusion.get(sample) else { return 1.0 };
+        let occlusion = if COMPILED { self.occlusion.get(sample) } else { None };
+        let Some(&occlusion) = occlusion else { return 1.0 };
         if !keys.wanted || occlusion <= 0.0 {
             return 1.0;
         }

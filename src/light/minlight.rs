@@ -4,6 +4,7 @@
 use super::StyleLight;
 use super::dirt::FaceDirt;
 use crate::photometry::Irradiance;
+use crate::scene::effects::COMPILED;
 use crate::scene::exact::brightness;
 use crate::scene::{
     AutoMinlight, DirtKeys, LightRays, Minlight, Sample, Scene, Surface, WorldSettings,
@@ -49,7 +50,7 @@ pub(super) fn local(
     rays: &mut LightRays<'_>,
 ) -> Vec<StyleLight> {
     let mut minimum: Vec<StyleLight> = Vec::new();
-    if surface.minlight.exempt || scene.local_minlights.is_empty() {
+    if !COMPILED || surface.minlight.exempt || scene.local_minlights.is_empty() {
         return minimum;
     }
     let join = Join::of(&scene.world);

@@ -25,6 +25,7 @@ pub(crate) use probe::{SIDES, place as probe_place, probe, probe_sides};
 pub use ray_counts::RayCounts;
 
 use crate::photometry::Irradiance;
+use crate::scene::effects::COMPILED;
 use crate::scene::exact::{brightness, distance, dot, length};
 use crate::scene::{Arrival, Light, LightRays, Reach, Sample, Scene, Surface};
 use glam::Vec3;
@@ -124,13 +125,13 @@ pub fn direct_from(
         let count = if is_copy { &mut counts.surface_lights } else { &mut counts.lights };
         since.count(&rays, count);
     }
-    for sun in &scene.suns {
+    for sun in scene.suns.iter().filter(|_| COMPILED) {
         let styles = if sun.brightness > 0.0 { &mut result.styles } else { &mut result.negative };
         let sums = (styles, &mut result.excess, &mut result.directions);
         sun::light_surface(scene, sun, surface, points, (&tiles, &mut wanted), &mut rays, sums);
         since.count(&rays, if sun.dome { &mut counts.sky_domes } else { &mut counts.suns });
     }
-    for light in &scene.radiosity_lights {
+    for light in scene.radiosity_lights.iter().filter(|_| COMPILED) {
         let receiver = (surface, &sphere);
         let sums = (&mut result.styles, &mut result.excess, &mut result.directions);
         radiosity::light_surface(scene, light, receiver, points, &mut rays, sums);

@@ -2,6 +2,7 @@
 
 use super::{attenuation, spot};
 use crate::scene::Light;
+use crate::scene::effects::COMPILED;
 use crate::scene::exact::{dot, length};
 use glam::Vec3;
 
@@ -25,7 +26,7 @@ pub(crate) fn unshadowed(
         (d, direction) = (NEAREST, Vec3::Z);
     }
     let mut cosine = dot(direction, normal);
-    if light.bleed || two_sided {
+    if COMPILED && (light.bleed || two_sided) {
         cosine = cosine.abs();
     }
     if cosine < 0.0 {
@@ -39,7 +40,7 @@ pub(crate) fn unshadowed(
     }
     let colour = light.colour * add * (1.0 / 255.0);
     match &light.projection {
-        Some(picture) => Some(colour * picture.factor(-to_light)?),
-        None => Some(colour),
+        Some(picture) if COMPILED => Some(colour * picture.factor(-to_light)?),
+        _ => Some(colour),
     }
 }

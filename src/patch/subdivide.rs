@@ -32,6 +32,8 @@ pub struct MapPatches {
     pub intervals: Intervals,
     /// Share and colour of what each patch emits, where only parts of a surface do; empty for none.
     pub glow: Vec<Vec3>,
+    /// How many have a reflectance of their own, as that of their surface varies.
+    pub patterned: usize,
 }
 
 /// Light that the patches of a map give off by themselves, in one style.
@@ -112,6 +114,7 @@ impl MapPatches {
             let points = || points_of(luxels, &block).filter(|&at| grid.at(at.x, at.y) == here);
             let points = || points().map(|at| luxels.world_of(at));
             let varied = scene.mean_reflectance(index, points());
+            self.patterned += usize::from(varied.is_some());
             if let Some(glow) = scene.mean_glow(index, points()) {
                 self.glow.resize(self.surface.len(), Vec3::ZERO);
                 self.glow.push(glow);

@@ -5,6 +5,7 @@ use super::channels::{Channels, channels, colour};
 use super::transfers::Transfers;
 use crate::patch::Passage;
 use crate::photometry::{Exitance, Irradiance, Reflectance};
+use crate::scene::effects::COMPILED;
 use glam::Vec3;
 
 /// When to stop.
@@ -164,15 +165,13 @@ impl<const C: usize> Style<C> {
             let b: [f64; C] = channels(b);
             std::array::from_fn(|c| b[c] * a[c])
         };
-        let through: Vec<[f64; C]> = surfaces
-            .passages
-            .iter()
-            .map(|p| product(light[p.from.0 as usize], p.transmittance))
-            .collect();
+        let passages = if COMPILED { surfaces.passages } else { &[] };
+        let through: Vec<[f64; C]> =
+            passages.iter().map(|p| product(light[p.from.0 as usize], p.transmittance)).collect();
         for (m, rho) in light.iter_mut().zip(surfaces.reflectance) {
             *m = product(*m, rho.0);
         }
-        for (passage, through) in surfaces.passages.iter().zip(through) {
+        for (passage, through) in passages.iter().zip(through) {
             add(&mut light[passage.to.0 as usize], through);
         }
         for (total, &m) in self.total.iter_mut().zip(&light) {

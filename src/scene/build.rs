@@ -90,7 +90,11 @@ impl Scene {
         }
         let nothing = MaterialFile::default();
         let file = sidecar.materials.unwrap_or(&nothing);
-        let listed = rad::entities(sidecar.rad.unwrap_or(""), &mut warnings);
+        let listed: Vec<Entity> = sidecar
+            .rad
+            .iter()
+            .flat_map(|(name, text)| rad::entities(name, text, &mut warnings))
+            .collect();
         let shines = |e: &Entity| file.of(e.get("_surface").unwrap_or("")).emission.is_some();
         // What a material file says of a texture replaces lines for it.
         entities.extend(listed.into_iter().filter(|e| file.is_empty() || !shines(e)));

@@ -3,6 +3,7 @@
 
 use super::Scene;
 use super::build::SceneSettings;
+use super::effects::COMPILED;
 use super::hull;
 use super::models::Model;
 use super::pane::{Pane, PaneColour};
@@ -254,6 +255,6 @@ impl Scene {
 
     /// Whether some light is filtered on its way.
     pub fn has_filters(&self) -> bool {
-        !self.filters.casters.is_empty()
+        COMPILED && !self.filters.casters.is_empty()
     }
 }

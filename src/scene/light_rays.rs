@@ -2,6 +2,7 @@
 //! way (contract sections 6.5 and 7.3 to 7.6).
 
 use super::Scene;
+use super::effects::COMPILED;
 use super::exact::length;
 use super::filter::{Effect, Ray};
 use super::narrow::{Limits, Narrow};
@@ -33,7 +34,7 @@ pub struct Arrival {
 impl Arrival {
     /// The style of light that was of style `style`.
     pub fn style_of(&self, style: u16) -> u16 {
-        if style == 0 { self.style.unwrap_or(0) } else { style }
+        if COMPILED && style == 0 { self.style.unwrap_or(0) } else { style }
     }
 }
 
@@ -112,7 +113,7 @@ impl<'a> LightRays<'a> {
         let (opaque, filters) = (self.opaque.tracer.wide(), self.filters.tracer.wide());
         let limits = Limits { triangles: MOST_BLOCKERS, steps: STEPS_A_RAY * rays };
         let entered = self.opaque.narrow.enter(opaque, &shaft, limits, |_| true)
-            && self.filters.narrow.enter(filters, &shaft, limits, |_| true);
+            && (!COMPILED || self.filters.narrow.enter(filters, &shaft, limits, |_| true));
         if !entered {
             self.anywhere();
         }

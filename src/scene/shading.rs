@@ -1,6 +1,7 @@
 //! What a material file makes of single surfaces: values that vary over them.
 
 use super::Scene;
+use super::effects::COMPILED;
 use super::material_file::{Emitting, Material, MaterialEmission, Modifier};
 use super::materials::LIMIT;
 use super::texels::Texels;
@@ -105,7 +106,7 @@ impl Shading {
 
 impl Scene {
     fn shading(&self, surface: usize) -> Option<&Shading> {
-        self.shadings.get(surface)?.as_ref()
+        self.shadings.get(surface)?.as_ref().filter(|_| COMPILED)
     }
 
     /// Reflectance of a surface at each of some world points, the mean; `None` where it is the same all

@@ -13,8 +13,8 @@ pub struct Sidecar<'a> {
     pub texinfo: Option<&'a str>,
     /// `<map>.content.json`.
     pub content: Option<&'a str>,
-    /// `.rad` files, one after the other.
-    pub rad: Option<&'a str>,
+    /// Names and texts of `.rad` files.
+    pub rad: &'a [(String, String)],
     /// Light entities that the map does not have itself, in the syntax of the entity lump.
     pub lights: Option<&'a str>,
     /// What textures do to light.

@@ -108,5 +108,7 @@ pub fn sidecar(bytes: &[u8], map: &Bsp) {
     let text = String::from_utf8_lossy(bytes);
     let mut parts = text.splitn(3, '\0');
     let [texinfo, content, rad] = [parts.next(), parts.next(), parts.next()];
-    light_with(map.clone(), Sidecar { texinfo, content, rad, ..Sidecar::default() });
+    let rad: Vec<(String, String)> =
+        rad.into_iter().map(|text| ("lights.rad".to_owned(), text.to_owned())).collect();
+    light_with(map.clone(), Sidecar { texinfo, content, rad: &rad, ..Sidecar::default() });
 }

@@ -7,6 +7,7 @@ use qrad::patch::MapPatches;
 use qrad::radiosity::bounce::{Bounced, bounce};
 use qrad::radiosity::solve::Limits;
 use qrad::radiosity::transfers::Transfers;
+use qrad::scene::material_file::MaterialFile;
 use qrad::scene::{Sample, Scene, SceneSettings, Sidecar, luxels};
 use qrad::settings::Settings;
 
@@ -45,11 +46,14 @@ impl Prepared {
         Self { scene, samples, patches, transfers, settings }
     }
 
-    /// A map of the project, with default settings.
+    /// A map of the project, with default settings and the material file beside it, if there is one.
     pub fn project_map(name: &str, area_lights: bool) -> Self {
         let path = super::maps_dir().join(name);
-        let bsp = Bsp::read(&std::fs::read(path).unwrap()).unwrap();
-        Self::new(&bsp, Settings::default(), area_lights)
+        let bsp = Bsp::read(&std::fs::read(&path).unwrap()).unwrap();
+        let text = std::fs::read_to_string(path.with_extension("materials.toml"));
+        let materials = text.map(|text| MaterialFile::parse(&text, name).unwrap()).ok();
+        let sidecar = Sidecar { materials: materials.as_ref(), ..Sidecar::default() };
+        Self::with(&bsp, Settings::default(), area_lights, sidecar)
     }
 
     pub fn light(&self, gather: Gather) -> Lit {

@@ -3,25 +3,25 @@
 use super::lit_map::{Lit, Prepared};
 use glam::DVec3;
 use qrad::light::bounce_source;
+use qrad::patch::Passage;
 use qrad::radiosity::bounce::PatchLight;
 use qrad::scene::Role;
 
 /// What the sums of a map come to.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct MapSums {
-    /// |A_a F_ab - A_b F_ba| over all pairs of planes with faces, as share of the sum of A_a F_ab.
+    /// |A_a F_ab - A_b F_ba| over all pairs of planes with faces and the channels, as share of the sum of
+    /// A_a F_ab. What lies behind glass counts as the glass lets through.
     pub asymmetry: f64,
-    /// First reflected less absorbed and escaped light, as share of the first; the worst channel and
-    /// style.
+    /// Light that is emitted or first sent on, less absorbed and escaped light, as share of the first; the
+    /// worst channel and style.
     pub imbalance: f64,
     /// Largest change of one more pass, as share of the largest exitance.
     pub residual: f64,
 }
 
 impl MapSums {
-    /// The sums of `lit`, in a map whose patches reflect point lights and emit nothing themselves.
     pub fn new(map: &Prepared, lit: &Lit) -> Self {
-        assert!(map.patches.emission(&map.scene.emitters).is_empty(), "patches emit");
         let mut sums = Self { asymmetry: asymmetry(map), ..Self::default() };
         for light in &lit.bounced.styles {
             let (imbalance, residual) = style(map, lit, light);
@@ -38,6 +38,13 @@ fn area(map: &Prepared, i: usize) -> f64 {
     if surface.role == Role::Ghost { 0.0 } else { map.patches.set.patches[i].area.into() }
 }
 
+/// Form factors of a patch to others, a channel, with what glass takes from the light that passes it.
+fn row(map: &Prepared, i: usize) -> impl Iterator<Item = (usize, DVec3)> + '_ {
+    let opaque = map.transfers.entries(i).map(|(j, f)| (j, DVec3::splat(f.into())));
+    let panes = map.transfers.overlay_row(i).iter().map(|&(j, f)| (j, f.as_dvec3()));
+    opaque.chain(panes).map(|(j, f)| (j as usize, f))
+}
+
 /// Between the planes of the map's surfaces: the errors of single pairs of patches, a few cells each,
 /// are mostly those of neighbours.
 fn asymmetry(map: &Prepared) -> f64 {
@@ -47,17 +54,17 @@ fn asymmetry(map: &Prepared) -> f64 {
     };
     let count = surfaces.len();
     let plane: Vec<usize> = (0..count).map(|a| (0..a).find(|&b| same(a, b)).unwrap_or(a)).collect();
-    let mut flow = vec![0.0; count * count];
+    let mut flow = vec![DVec3::ZERO; count * count];
     for i in 0..map.transfers.rows() {
-        let (columns, factors) = map.transfers.row(i);
-        for (&j, &f) in columns.iter().zip(&factors) {
-            let [from, to] = [i, j as usize].map(|p| plane[map.patches.surface[p] as usize]);
-            flow[from * count + to] += area(map, i) * f64::from(f);
+        for (j, f) in row(map, i) {
+            let [from, to] = [i, j].map(|p| plane[map.patches.surface[p] as usize]);
+            flow[from * count + to] += area(map, i) * f;
         }
     }
-    let all: f64 = flow.iter().sum();
+    let all: f64 = flow.iter().map(|f| f.element_sum()).sum();
     let pairs = (0..count).flat_map(|i| (0..i).map(move |j| (i, j)));
-    let off: f64 = pairs.map(|(i, j)| (flow[i * count + j] - flow[j * count + i]).abs()).sum();
+    let off: f64 =
+        pairs.map(|(i, j)| (flow[i * count + j] - flow[j * count + i]).abs().element_sum()).sum();
     if all > 0.0 { off / all } else { 0.0 }
 }
 
@@ -75,23 +82,38 @@ fn style(map: &Prepared, lit: &Lit, light: &PatchLight) -> (f64, f64) {
         .collect();
     let direct = map.patches.mean_irradiance(&luxels);
     let m: Vec<DVec3> = light.exitance.iter().map(|m| m.0.as_dvec3()).collect();
+    let set = &map.patches.set;
+    let emission = map.patches.emission(&map.scene.emitters);
+    let emission = emission.iter().find(|e| e.style == light.style);
+    let (mut arriving, mut sums) = (Vec::new(), Vec::new());
+    for i in 0..m.len() {
+        let (mut arrives, mut sum) = (DVec3::ZERO, DVec3::ZERO);
+        for (j, f) in row(map, i) {
+            arrives += m[j] * f;
+            sum += f;
+        }
+        arriving.push(arrives);
+        sums.push(sum);
+    }
+    // Of what meets a patch: what it lets through, and what comes through to it.
+    let mut tau = vec![DVec3::ZERO; m.len()];
+    let (mut first_through, mut through) = (tau.clone(), tau.clone());
+    for &Passage { from, to, transmittance } in &set.passages {
+        let (from, to, share) = (from.0 as usize, to.0 as usize, transmittance.as_dvec3());
+        tau[from] = share;
+        first_through[to] += share * direct[from].0.as_dvec3();
+        through[to] += share * arriving[from];
+    }
     let (mut first, mut spent) = (DVec3::ZERO, DVec3::ZERO);
     let (mut change, mut most) = (0.0_f64, 0.0_f64);
-    for (i, patch) in map.patches.set.patches.iter().enumerate() {
+    for (i, patch) in set.patches.iter().enumerate() {
         let rho = patch.reflectance.0.as_dvec3();
-        let (columns, factors) = map.transfers.row(i);
-        let (mut arrives, mut row) = (DVec3::ZERO, DVec3::ZERO);
-        let opaque = columns.iter().zip(&factors).map(|(&j, &f)| (j, DVec3::splat(f64::from(f))));
-        // What glass takes from the light that passes it.
-        let panes = map.transfers.overlay_row(i).iter().map(|&(j, f)| (j, f.as_dvec3()));
-        for (j, f) in opaque.chain(panes) {
-            arrives += m[j as usize] * f;
-            row += f;
-        }
-        let reflected = rho * direct[i].0.as_dvec3();
-        first += reflected * area(map, i);
-        spent += (arrives * (DVec3::ONE - rho) + m[i] * (DVec3::ONE - row)) * area(map, i);
-        change = change.max((reflected + rho * arrives - m[i]).abs().max_element());
+        let emitted = emission.map_or(DVec3::ZERO, |e| e.exitance[i].0.as_dvec3());
+        let start = emitted + rho * direct[i].0.as_dvec3() + first_through[i];
+        first += start * area(map, i);
+        let absorbed = arriving[i] * (DVec3::ONE - rho - tau[i]);
+        spent += (absorbed + m[i] * (DVec3::ONE - sums[i])) * area(map, i);
+        change = change.max((start + rho * arriving[i] + through[i] - m[i]).abs().max_element());
         most = most.max(m[i].abs().max_element());
     }
     let channels = first.to_array().into_iter().zip(spent.to_array()).filter(|c| c.0 != 0.0);

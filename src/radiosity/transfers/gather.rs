@@ -1,6 +1,7 @@
 //! Light over rows of form factors: what patches receive of each other.
 
 use super::{CHUNK, Chunk, Transfers};
+use crate::scene::effects::COMPILED;
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
@@ -41,7 +42,8 @@ impl Transfers {
             .map(|chunk| {
                 let mut rows: Vec<_> =
                     (0..chunk.ends.len()).map(|i| chunk.sum(i, &light)).collect();
-                for (sum, row) in rows.iter_mut().zip(&chunk.overlay) {
+                let overlay = if COMPILED { &chunk.overlay[..] } else { &[] };
+                for (sum, row) in rows.iter_mut().zip(overlay) {
                     add(sum, &overlay_sum(row, &light));
                 }
                 rows

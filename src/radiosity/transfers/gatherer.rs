@@ -4,6 +4,7 @@ use crate::patch::{PatchId, PatchSet, PolygonPatches};
 use crate::radiosity::hemicube::{Cells, DeltaFormFactors, HemicubeSize, ItemBuffer, View};
 use crate::radiosity::overlay_view::{OverlayView, Shown};
 use crate::scene::Tracer;
+use crate::scene::effects::COMPILED;
 use glam::{DVec3, Vec3, Vec4};
 use wide::f32x8;
 
@@ -37,7 +38,7 @@ impl<'a> Gatherer<'a> {
             sums: vec![0.0; patches.patches.len()],
             touched: vec![0; patches.patches.len().div_ceil(64)],
             row: Vec::new(),
-            overlay: OverlayView::new(patches),
+            overlay: OverlayView::new(patches).filter(|_| COMPILED),
         }
     }
 
@@ -69,7 +70,7 @@ impl<'a> Gatherer<'a> {
     }
 
     fn look_at_overlay(&mut self, view: &View) {
-        if let Some(overlay) = &mut self.overlay {
+        if let Some(overlay) = self.overlay.as_mut().filter(|_| COMPILED) {
             let (buffer, tracer) = (&self.buffer, self.tracer);
             let (patches, delta) = (self.patches, self.delta);
             overlay.look(Shown { buffer, tracer, patches, delta }, view);
@@ -78,7 +79,7 @@ impl<'a> Gatherer<'a> {
 
     /// What an overlay adds to what the last look showed, per channel, by ascending patch.
     pub fn overlay(&self) -> &[(PatchId, DVec3)] {
-        self.overlay.as_ref().map_or(&[], OverlayView::row)
+        self.overlay.as_ref().filter(|_| COMPILED).map_or(&[], OverlayView::row)
     }
 
     /// What an overlay adds to [`row`](Self::row), as [`Transfers::overlay_row`] has it; `None` without.

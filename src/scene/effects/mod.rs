@@ -11,6 +11,11 @@ pub use switches::Switches;
 
 use std::fmt::{self, Display};
 
+/// Whether the code of effects is there. The feature `without-effects`, which is for
+/// `benches/effect_code.sh` alone, leaves out of the hot loops what scenes of plain lights, like
+/// `maps/effects_none.bsp`, do not call for.
+pub(crate) const COMPILED: bool = !cfg!(feature = "without-effects");
+
 /// An effect that a scene may call for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, clap::ValueEnum)]
 pub enum Effect {

@@ -85,6 +85,8 @@ impl Reader<'_> {
         };
         let mut patterns = Vec::new();
         let mut m = Material::default();
+        // Where the transmissions stand, straight and diffuse.
+        let mut passing_at = [at; 2];
         for (key, value) in table {
             let key_at = key.span().start;
             let key: &str = key.get_ref();
@@ -98,8 +100,14 @@ impl Reader<'_> {
                     });
                 }
                 "emission" => m.emission = Some(self.emission(value)?),
-                "transmission" => m.transmission = Some(self.share(key, value)?),
-                "diffuse_transmission" => m.diffuse_transmission = Some(self.share(key, value)?),
+                "transmission" => {
+                    passing_at[0] = key_at;
+                    m.transmission = Some(self.share(key, value)?);
+                }
+                "diffuse_transmission" => {
+                    passing_at[1] = key_at;
+                    m.diffuse_transmission = Some(self.share(key, value)?);
+                }
                 "two_sided" => m.two_sided = Some(self.flag(key, value)?),
                 "alpha_test" => m.alpha_test = Some(self.flag(key, value)?),
                 "bounce" => m.bounce = Some(self.flag(key, value)?),
@@ -109,12 +117,12 @@ impl Reader<'_> {
         if patterns.is_empty() {
             return Err(self.error(at, "texture: an entry names a texture or a list of them"));
         }
-        self.check_sum(&m, at)?;
+        self.check_sum(&m, passing_at)?;
         Ok((patterns, m))
     }
 
     /// Refuses a material that sends on more light than meets it.
-    fn check_sum(&self, m: &Material, at: usize) -> Result<()> {
+    fn check_sum(&self, m: &Material, [straight, diffuse]: [usize; 2]) -> Result<()> {
         let own = match m.reflectance {
             Some(MaterialReflectance::Colour(colour)) => colour,
             _ => Vec3::ZERO,
@@ -122,8 +130,10 @@ impl Reader<'_> {
         let or_none = |share: Option<Vec3>| share.unwrap_or(Vec3::ZERO);
         let sum = own + or_none(m.transmission) + or_none(m.diffuse_transmission);
         if sum.max_element() > 1.0 + ROUNDING {
-            let key =
-                if m.transmission.is_some() { "transmission" } else { "diffuse_transmission" };
+            let (key, at) = match m.transmission {
+                Some(_) => ("transmission", straight),
+                None => ("diffuse_transmission", diffuse),
+            };
             let problem = format!(
                 "{key}: reflectance, transmission and diffuse_transmission sum to {} in one channel, \
                  which is more than 1",
@@ -133,7 +143,7 @@ impl Reader<'_> {
         }
         if m.transmission.is_some() && m.diffuse_transmission.is_some() {
             let problem = "diffuse_transmission: a texture has this or transmission, not both";
-            return Err(self.error(at, problem));
+            return Err(self.error(diffuse, problem));
         }
         Ok(())
     }
@@ -240,8 +250,22 @@ impl Reader<'_> {
         }
         let missing =
             |key: &str| self.error(value.span().start, format!("modifier.{key} is missing"));
+        let kind = kind.ok_or_else(|| missing("kind"))?;
+        let of_kind: &[&str] = match kind {
+            "texel" => &["kind"],
+            "checker" => &["kind", "size", "colour"],
+            _ => &["kind", "from", "to", "colour"],
+        };
+        for (key, _) in self.table("modifier", value)? {
+            let (at, key): (usize, &str) = (key.span().start, key.get_ref());
+            if !of_kind.contains(&key) {
+                let known = of_kind.join(", ");
+                let problem = format!("modifier.{key}: a {kind} has none, only {known}");
+                return Err(self.error(at, problem));
+            }
+        }
         let colour = || colour.ok_or_else(|| missing("colour"));
-        Ok(match kind.ok_or_else(|| missing("kind"))? {
+        Ok(match kind {
             "texel" => Modifier::Texel,
             "checker" => Modifier::Checker(numbers[0].unwrap_or(32.0), colour()?),
             _ => {
@@ -304,7 +328,9 @@ mod tests {
         refused("[[material]]\nbounce = true\n", 1, "texture: an entry names");
         refused("[material]\ntexture = \"a\"\n", 1, "two brackets");
         refused("[[materials]]\ntexture = \"a\"\n", 1, "did you mean \"material\"");
-        refused(&entry("reflectance = [0.7, 0, 0]\ntransmission = 0.4"), 1, "more than 1");
+        refused(&entry("reflectance = [0.7, 0, 0]\ntransmission = 0.4"), 4, "more than 1");
+        refused(&entry("modifier = { kind = \"texel\", size = 8 }"), 3, "modifier.size: a texel");
+        refused(&entry("bounce = true\ntransmission = 0\ndiffuse_transmission = 0"), 5, "not both");
         refused("[[material]\n", 1, "");
         refused("a = \n", 1, "");
     }
