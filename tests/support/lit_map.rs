@@ -35,8 +35,12 @@ impl Prepared {
 
     /// With what stands beside the map.
     pub fn with(bsp: &Bsp, settings: Settings, area_lights: bool, sidecar: Sidecar<'_>) -> Self {
-        let scene_settings =
-            SceneSettings { area_lights, grey: settings.grey, ..SceneSettings::default() };
+        let scene_settings = SceneSettings {
+            area_lights,
+            grey: settings.grey,
+            switches: settings.switches.clone(),
+            ..SceneSettings::default()
+        };
         let scene = Scene::build(bsp, sidecar, &scene_settings).unwrap();
         let samples: Vec<_> =
             (0..scene.surfaces.len()).map(|face| luxels::place(&scene, face, 1)).collect();

@@ -32,10 +32,16 @@ impl MapSums {
     }
 }
 
-/// Area of a patch as far as it takes light out of the map: liquids receive light, but all of it passes on.
+/// Area of a patch as far as it takes light out of the map: liquids and glass receive light, but no ray of
+/// others ends on them.
 fn area(map: &Prepared, i: usize) -> f64 {
     let surface = &map.scene.surfaces[map.patches.surface[i] as usize];
-    if surface.role == Role::Ghost { 0.0 } else { map.patches.set.patches[i].area.into() }
+    let passes = match surface.role {
+        Role::Ghost => true,
+        Role::Filter => !surface.reflects,
+        _ => false,
+    };
+    if passes { 0.0 } else { map.patches.set.patches[i].area.into() }
 }
 
 /// Form factors of a patch to others, a channel, with what glass takes from the light that passes it.

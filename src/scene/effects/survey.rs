@@ -253,7 +253,9 @@ impl Survey<'_> {
             _ => "no model casts shadow in a way of its own",
         };
         let own = |s: &Surface, _: &str| s.role == Role::Filter && kind_of_filter(s) == effect;
-        self.textured(own, none)
+        let (on, reason) = self.textured(own, none);
+        // One ray may cross several kinds.
+        (on, if on { format!("{reason}; with all that filters light") } else { reason })
     }
 
     fn shaders(&self) -> Finding {
@@ -327,7 +329,9 @@ fn place(p: Vec3) -> String {
 }
 
 fn direction(d: Vec3) -> String {
-    format!("direction ({:.2} {:.2} {:.2})", d.x, d.y, d.z)
+    // Adding 0 makes 0 of -0.
+    let [x, y, z] = d.to_array().map(|c| (c * 100.0).round() / 100.0 + 0.0);
+    format!("direction ({x:.2} {y:.2} {z:.2})")
 }
 
 fn middle(surface: &Surface) -> Vec3 {
