@@ -83,6 +83,7 @@ pub fn run(cli: &Cli, path: &Path, visible: bool, writing: &Mutex<()>) -> anyhow
     report.count("patches", scene.patches.len() as u64);
     report.count("transfers", transfers.len() as u64);
     report.row("passes", format!("{} of at most {}", solution.passes, scene.passes));
+    report.count("channels", solution.channels.count());
     report.row("residual", format!("{:.1e}", solution.residual));
     report.row("ended", if solution.settled { "nothing left to send" } else { "passes used up" });
     report.accuracy(&checked);

@@ -2,16 +2,17 @@
 
 mod bytes;
 mod estimate;
+mod gather;
 mod gatherer;
 
+pub(super) use gather::AT_A_TIME;
 pub use gatherer::{Distances, Gatherer, Interval};
 
 use super::hemicube::{DeltaFormFactors, HemicubeSize, View};
 use super::near_pairs::NearPairs;
-use super::overlay_view;
 use crate::patch::{PatchId, PatchSet};
 use crate::scene::{ShadowRays, Tracer};
-use glam::{DVec3, Vec3};
+use glam::Vec3;
 use rayon::prelude::*;
 
 /// The longest step to the next column; a longer one is several.
@@ -79,29 +80,6 @@ impl Chunk {
             column += u32::from(step);
             (step != FAR).then_some((column, weight))
         })
-    }
-
-    /// Sum of weight times light over a row.
-    fn sum(&self, i: usize, light: &[DVec3]) -> DVec3 {
-        let (steps, weights) = self.row(i);
-        // Several sums at a time: each addition would wait for the one before.
-        let mut sums = [DVec3::ZERO; 4];
-        let mut column = 0;
-        let mut add = |sum: &mut DVec3, step: u16, weight: f32| {
-            column += u32::from(step);
-            *sum += light[column as usize] * f64::from(weight);
-        };
-        let (by_four, rest) = steps.as_chunks::<4>();
-        let (weights, last) = weights.as_chunks::<4>();
-        for (steps, weights) in by_four.iter().zip(weights) {
-            for ((sum, &step), &weight) in sums.iter_mut().zip(steps).zip(weights) {
-                add(sum, step, weight);
-            }
-        }
-        for ((sum, &step), &weight) in sums.iter_mut().zip(rest).zip(last) {
-            add(sum, step, weight);
-        }
-        (sums[0] + sums[1]) + (sums[2] + sums[3])
     }
 }
 
@@ -304,23 +282,6 @@ impl Transfers {
         self.chunks[at / CHUNK].distances[at % CHUNK]
     }
 
-    /// Irradiance at each patch when patch j has exitance `exitance[j]`: E_i = sum_j F_ij M_j.
-    pub fn gather(&self, exitance: &[DVec3]) -> Vec<DVec3> {
-        let rows: Vec<Vec<DVec3>> = self
-            .chunks
-            .par_iter()
-            .map(|chunk| {
-                let mut rows: Vec<DVec3> =
-                    (0..chunk.ends.len()).map(|i| chunk.sum(i, exitance)).collect();
-                for (sum, row) in rows.iter_mut().zip(&chunk.overlay) {
-                    *sum += overlay_view::gather(row, exitance);
-                }
-                rows
-            })
-            .collect();
-        self.row_of.iter().map(|&at| rows[at as usize / CHUNK][at as usize % CHUNK]).collect()
-    }
-
     /// The patch from which the row of patch `i` was drawn: `i` itself, or one that it shares it with.
     pub fn drawn_at(&self, i: usize) -> usize {
         self.drawn_at[i] as usize
@@ -342,12 +303,12 @@ mod tests {
             let row: Vec<_> = row.iter().map(|&j| (PatchId(j), weight(j))).collect();
             chunk.push(&row, distances);
         }
-        let light: Vec<DVec3> = (0..700_001).map(|j| DVec3::splat(f64::from(j))).collect();
+        let light: Vec<[[f64; 1]; 1]> = (0..700_001).map(|j| [[f64::from(j)]]).collect();
         for (i, row) in rows.into_iter().enumerate() {
             let expected: Vec<_> = row.iter().map(|&j| (j, weight(j) as f32)).collect();
             assert_eq!(chunk.entries(i).collect::<Vec<_>>(), expected);
             let sum: f64 = expected.iter().map(|&(j, f)| f64::from(j) * f64::from(f)).sum();
-            assert!((chunk.sum(i, &light).x - sum).abs() <= 1e-9 * sum, "row {i}");
+            assert!((chunk.sum(i, &light)[0][0] - sum).abs() <= 1e-9 * sum, "row {i}");
         }
     }
 }
