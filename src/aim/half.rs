@@ -6,7 +6,7 @@ use crate::settings::{Quality, Settings};
 use std::time::Duration;
 
 /// Seconds of hemicubes grow as this power of the cells along an edge.
-const CELLS: f64 = 0.6;
+const CELLS: f64 = 1.1;
 
 /// Seconds of the stages of a run that have one of some names.
 fn seconds_of(stages: &[(&'static str, Duration)], names: &[&str]) -> f64 {
@@ -50,7 +50,7 @@ pub fn half_error_text(
     let near = seconds_of(stages, &["near pairs"]);
     let (times, next) = match quality {
         // Nothing is known yet of the closed forms of this scene.
-        None => return Some((1.7 * seconds, Quality::Draft)),
+        None => return Some((1.3 * seconds, Quality::Draft)),
         Some(Quality::Draft) => (4.0, Quality::Normal),
         Some(Quality::Normal) => (1.8, Quality::High),
         Some(Quality::High) => (1.8, Quality::Final),

@@ -1,6 +1,7 @@
 //! The best light that fits into a time.
 
 use super::{Aim, Costs, Keep, Rung};
+use crate::lightmap::Gather;
 use crate::map_stages::{BouncedLight, DirectLit};
 use crate::progress::Progress;
 use crate::settings::Settings;
@@ -58,8 +59,10 @@ pub(super) fn for_time(
     if costs.seconds(&rungs[0]) > FILLED * left() {
         return guess(said);
     }
+    // Hemicubes at all luxels come last: they can stop at any of them.
     let run = |rung: &Rung| {
-        let settings = Settings { check: false, ..rung.settings(settings) };
+        let gather = Gather::Interpolate;
+        let settings = Settings { check: false, gather, ..rung.settings(settings) };
         let light = direct.bounce(&settings, progress);
         (light, settings)
     };

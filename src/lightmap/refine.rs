@@ -90,7 +90,8 @@ fn most_varied(
             let level = |i: usize| -> f32 {
                 maps[face].iter().map(|m| m.irradiance[i].0.element_sum()).sum()
             };
-            let wanted = !surface.light_ignore;
+            // Luxels of sheets have light of their other side too.
+            let wanted = !surface.light_ignore && surface.diffuse.is_none();
             let free = (0..samples.len()).filter(move |&i| wanted && !samples[i].occluded);
             free.map(move |i| {
                 let (x, y) = (i % width, i / width);
