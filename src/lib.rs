@@ -168,7 +168,7 @@ pub fn light_bsp_in_steps(
         let stored = direct.store(bsp, &unlit, (&faces, light), settings, progress)?;
         Ok::<_, Error>((faces, stored))
     };
-    let (bounced, choices) = aim::bounced(&direct, settings, progress, &mut |light| {
+    let (bounced, chosen) = aim::bounced(&direct, settings, progress, &mut |light| {
         let mut bsp = bsp.clone();
         if let Ok((_, (_, files))) = whole(&mut bsp, light) {
             keep(&bsp, &files);
@@ -176,5 +176,6 @@ pub fn light_bsp_in_steps(
     });
     let (faces, (rgb, files)) = whole(bsp, &bounced)?;
     let BouncedLight { counts, checked, .. } = bounced;
+    let choices = chosen.said;
     Ok(MapLight { scene: direct.scene, faces, rgb, files, counts, checked, choices })
 }

@@ -157,7 +157,8 @@ pub fn run(
     let stages = progress.stages();
     if lit.checked.0.is_some() && settings.aim == aim::Aim::Settings {
         let seconds = progress.elapsed().as_secs_f64();
-        report.half_error(aim::half_error(&settings, &lit.counts, &stages, seconds));
+        let half = aim::half_error(&settings, &lit.counts, &stages, seconds);
+        report.half_error(half.map(|h| h.0));
     }
     report.resources(&stages, start.elapsed());
     for file in written {

@@ -1,13 +1,14 @@
 //! A map run in three parts: direct light, bounced light, which may be found more than once with other
 //! settings, and what is made of both.
 
+use crate::aim;
 use crate::bsp::{Bsp, MipTex};
 use crate::check::{Energy, Findings};
 use crate::light::DirectLight;
 use crate::lightmap::{self, FinishedFace, Sources};
 use crate::outputs::Scope;
 use crate::patch::MapPatches;
-use crate::progress::Progress;
+use crate::progress::{Deadline, Progress};
 use crate::radiosity::bounce::Bounced;
 use crate::radiosity::transfers::Transfers;
 use crate::report::Counts;
@@ -16,7 +17,6 @@ use crate::settings::Settings;
 use crate::stage::{self, Gathered, Points};
 use crate::store;
 use crate::{Files, Result};
-use std::time::Instant;
 
 /// A map with its direct light.
 pub(crate) struct DirectLit {
@@ -26,6 +26,8 @@ pub(crate) struct DirectLit {
     pub points: Points,
     /// Direct light of each face.
     pub direct: Vec<DirectLight>,
+    /// How far it got where time is short.
+    pub partly: Option<String>,
 }
 
 /// Bounced light of a map.
@@ -54,13 +56,21 @@ impl DirectLit {
         bsp.rewrite_entities(settings.styles(bsp)?)?;
         let scene = Scene::build(bsp, sidecar, &settings.scene(textures))?;
         let points = stage::place(&scene, settings, progress)?;
-        let direct = stage::direct(&scene, points.samples(), settings, progress);
-        Ok(Self { scene, points, direct })
+        let samples = points.samples();
+        let (direct, partly) = if let Some(end) = aim::end_of_direct(settings.aim) {
+            let end = progress.deadline(end);
+            let done = stage::direct_in_time(&scene, samples, settings, end, progress);
+            let partly = done.text();
+            (done.light, partly)
+        } else {
+            (stage::direct(&scene, samples, settings, progress), None)
+        };
+        Ok(Self { scene, points, direct, partly })
     }
 
     /// Lets the light bounce.
     pub fn bounce(&self, settings: &Settings, progress: &Progress) -> BouncedLight {
-        let Self { scene, points, direct } = self;
+        let Self { scene, points, direct, .. } = self;
         let patches = stage::patches(scene, &points.luxels, settings, progress);
         let transfers = stage::transfers(scene, &patches, settings, progress);
         let shining = stage::shining(scene, &patches, (points, direct), settings);
@@ -74,12 +84,24 @@ impl DirectLit {
         BouncedLight { patches, transfers, bounced, gathered, counts, checked }
     }
 
+    /// Guesses what bounces, all but at once.
+    pub fn ambient(&self, settings: &Settings, progress: &Progress) -> BouncedLight {
+        let Self { scene, points, direct, .. } = self;
+        let _stage = progress.stage("gather", 1);
+        let gathered = stage::ambient(scene, (points, direct), settings);
+        let patches = MapPatches::default();
+        let transfers = stage::transfers(scene, &patches, settings, progress);
+        let bounced = Bounced::default();
+        let counts = Counts::new(scene, direct, &patches, &transfers, &bounced, &gathered);
+        BouncedLight { patches, transfers, bounced, gathered, counts, checked: (None, None) }
+    }
+
     /// Gives hemicubes of their own to single luxels of `light` until `end`. Returns how many.
     pub fn refine(
         &self,
         light: &mut BouncedLight,
         settings: &Settings,
-        end: Instant,
+        end: Deadline<'_>,
         progress: &Progress,
     ) -> u64 {
         let _stage = progress.stage("refine", 1);
@@ -93,7 +115,7 @@ impl DirectLit {
 
     /// Finds out how far off `light` is.
     pub fn check(&self, light: &mut BouncedLight, settings: &Settings, progress: &Progress) {
-        let Self { scene, points, direct } = self;
+        let Self { scene, points, direct, .. } = self;
         let BouncedLight { patches, transfers, bounced, gathered, .. } = &*light;
         let shining = stage::shining(scene, patches, (points, direct), settings);
         let sources = Sources { scene, patches, transfers, light: &bounced.styles };
@@ -108,7 +130,7 @@ impl DirectLit {
         settings: &Settings,
         progress: &Progress,
     ) -> Vec<FinishedFace> {
-        let Self { scene, points, direct } = self;
+        let Self { scene, points, direct, .. } = self;
         let BouncedLight { patches, transfers, bounced, gathered, .. } = light;
         let _stage = progress.stage("lightmaps", 1);
         let mut direct = direct.clone();

@@ -1,6 +1,6 @@
 //! What the effects of a plan are expected to take, from samples, and what they took.
 
-use crate::aim::{Costs, Rung, sample_direct};
+use crate::aim::{Costs, sample_direct};
 use crate::bsp::{Bsp, MipTex};
 use crate::light::RayCounts;
 use crate::progress::Progress;
@@ -43,7 +43,7 @@ pub fn explained(
     let points = stage::place(&scene, settings, &Progress::new(false))?;
     let (seconds, rays) = sample_direct(&scene, &points);
     let bounced = plan.is_on(Effect::Bounces).then(|| {
-        let rung = Rung::of(settings);
+        let rung = settings.ladder.nearest(settings);
         let costs = Costs::measure(&scene, &points.luxels);
         let [_, hemicubes, factors] = costs.counts(&rung);
         let cells = settings.hemicube.cells() as f64;

@@ -4,17 +4,65 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
+/// Seconds that processors have worked for this process so far, on all threads, to a hundredth; `None`
+/// where the system does not tell.
+pub fn processor_seconds() -> Option<f64> {
+    let stat = std::fs::read_to_string("/proc/self/stat").ok()?;
+    // The name, in brackets, is the second field; the 14th and 15th are in hundredths of a second.
+    let mut fields = stat.rsplit(')').next()?.split_whitespace().skip(11);
+    let mut next = || fields.next()?.parse::<f64>().ok();
+    Some((next()? + next()?) / 100.0)
+}
+
+/// Tells how long a run has taken.
+type Clock = Box<dyn Fn() -> Duration + Send + Sync>;
+
 /// Shows the stages of a run, with the time left, and keeps how long each took.
 pub struct Progress {
     visible: bool,
     stages: Mutex<Vec<(&'static str, Duration)>>,
-    start: Instant,
+    clock: Clock,
+}
+
+/// When work is to stop, by the clock of a run.
+#[derive(Clone, Copy)]
+pub struct Deadline<'a> {
+    progress: &'a Progress,
+    at: Duration,
+}
+
+impl Deadline<'_> {
+    /// Time since the beginning of the run.
+    pub fn now(&self) -> Duration {
+        self.progress.elapsed()
+    }
+
+    /// Time left; 0 when it has passed.
+    pub fn left(&self) -> Duration {
+        self.at.saturating_sub(self.now())
+    }
+
+    /// Whether no more work is to be begun.
+    pub fn passed(&self) -> bool {
+        self.now() >= self.at
+    }
 }
 
 impl Progress {
     /// Bars are drawn on standard error when `visible`, and only if that is a terminal.
     pub fn new(visible: bool) -> Self {
-        Self { visible, stages: Mutex::new(Vec::new()), start: Instant::now() }
+        let start = Instant::now();
+        Self::with_clock(visible, Box::new(move || start.elapsed()))
+    }
+
+    /// As [`new`](Self::new), with a clock that tells the time since the beginning in its own way.
+    pub fn with_clock(visible: bool, clock: Clock) -> Self {
+        Self { visible, stages: Mutex::new(Vec::new()), clock }
+    }
+
+    /// A time since the beginning at which something is to stop.
+    pub fn deadline(&self, at: Duration) -> Deadline<'_> {
+        Deadline { progress: self, at }
     }
 
     /// Begins a stage of `total` steps; it ends when the value returned is dropped.
@@ -38,7 +86,7 @@ impl Progress {
 
     /// Time since the beginning.
     pub fn elapsed(&self) -> Duration {
-        self.start.elapsed()
+        (self.clock)()
     }
 
     /// Name and duration of the stages ended so far, in order.

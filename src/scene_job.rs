@@ -1,6 +1,7 @@
 //! One run on a text scene: files in, files out.
 
 use anyhow::Context;
+use qrad::aim::TextLadder;
 use qrad::cli::Cli;
 use qrad::patch::{TextScene, decode};
 use qrad::progress::Progress;
@@ -30,7 +31,8 @@ pub fn run(cli: &Cli, path: &Path, visible: bool, writing: &Mutex<()>) -> anyhow
             None => None,
         };
         let name = path.file_stem().unwrap_or_default().to_string_lossy();
-        let mut bench = sweep::TextBench::new(&name, scene, truth, &[&bytes, &file])?;
+        let target = cli.accuracy.target_error;
+        let mut bench = sweep::TextBench::new(&name, scene, truth, target, &[&bytes, &file])?;
         return crate::sweep_job::run(folder, &mut bench, cli.quiet, visible);
     }
     let switches = cli.effects.switches()?;
@@ -43,7 +45,14 @@ pub fn run(cli: &Cli, path: &Path, visible: bool, writing: &Mutex<()>) -> anyhow
         return Ok(());
     }
     if cli.accuracy.estimate {
-        print!("{}", crate::estimate_table::of_text(&aim::estimate_text(&scene, |_| true)?));
+        print!(
+            "{}",
+            crate::estimate_table::of_text(&aim::estimate_text(
+                &scene,
+                &TextLadder::default(),
+                |_| true
+            )?)
+        );
         return Ok(());
     }
     let target = cli.output.clone().unwrap_or_else(|| lit_name(path));
@@ -65,7 +74,7 @@ pub fn run(cli: &Cli, path: &Path, visible: bool, writing: &Mutex<()>) -> anyhow
     let checked = if cli.accuracy.no_check {
         (None, None)
     } else {
-        let end = Instant::now() + check::budget(progress.elapsed(), check::SHARE);
+        let end = progress.deadline(check::end(progress.elapsed(), check::SHARE));
         let _stage = progress.stage("check", 1);
         check::check_patches(&scene, &transfers, &solution, end)
     };
@@ -89,11 +98,13 @@ pub fn run(cli: &Cli, path: &Path, visible: bool, writing: &Mutex<()>) -> anyhow
     report.row("residual", format!("{:.1e}", solution.residual));
     report.row("ended", if solution.settled { "nothing left to send" } else { "passes used up" });
     report.accuracy(&checked);
+    let stages = progress.stages();
     if checked.0.is_some() && choices.is_empty() {
         let quality = near.is_some().then_some(cli.quality);
-        report.half_error(aim::half_error_text(quality, start.elapsed().as_secs_f64()));
+        let seconds = start.elapsed().as_secs_f64();
+        let half = aim::half_error_text(quality, &stages, seconds);
+        report.half_error(half.map(|h| h.0));
     }
-    let stages = progress.stages();
     report.resources(&stages, start.elapsed());
     report.row("written", if to_stdout { "-".into() } else { target.display().to_string() });
     if let Some(file) = &cli.accuracy.report {
@@ -127,9 +138,10 @@ pub fn run(cli: &Cli, path: &Path, visible: bool, writing: &Mutex<()>) -> anyhow
 /// Which pairs get closed forms, and how that was chosen if an error is asked for.
 fn chosen(cli: &Cli, scene: &TextScene) -> anyhow::Result<(Option<NearLimits>, Vec<String>)> {
     let Some(target) = cli.accuracy.target_error else { return Ok((cli.near(), Vec::new())) };
-    let quality = aim::text_quality(target);
+    let ladder = TextLadder::default();
+    let quality = ladder.quality(target);
     let start = Instant::now();
-    let predicted = aim::estimate_text(scene, |q| q == quality)?;
+    let predicted = aim::estimate_text(scene, &ladder, |q| q == quality)?;
     let pilot = start.elapsed().as_secs_f64();
     let of = predicted.iter().find(|p| p.quality == quality);
     let (seconds, error) = of.map_or((0.0, 0.0), |p| (p.seconds, p.error));

@@ -1,6 +1,6 @@
 //! What the user can set, checked once and passed down from there.
 
-use crate::aim::Aim;
+use crate::aim::{Aim, Ladder};
 use crate::bsp::{Bsp, MipTex, StyleRange};
 use crate::cache::Cache;
 use crate::check;
@@ -129,6 +129,8 @@ pub struct Settings {
     pub check_share: f64,
     /// What the run is to reach. Other than by settings, it chooses those of bounced light.
     pub aim: Aim,
+    /// What settings are known to reach, to choose from.
+    pub ladder: Ladder,
     /// Light that is whole but may get better is kept: see [`light_bsp_in_steps`](crate::light_bsp_in_steps).
     pub keep_partial: bool,
     /// Effects switched on or off by hand.
@@ -168,6 +170,7 @@ impl Settings {
             check: true,
             check_share: check::SHARE,
             aim: Aim::Settings,
+            ladder: Ladder::default(),
             keep_partial: false,
             switches: Switches::default(),
             memory: MemoryLimit::of_system(),

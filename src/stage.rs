@@ -3,19 +3,18 @@
 use crate::bsp::BspxLump;
 use crate::cache::Key;
 use crate::check::{self, Energy, Findings};
-use crate::light::{self, DirectLight, Directions, Probe, StyleLight};
+use crate::light::{self, DirectLight, Directions, InTime, Probe, StyleLight};
 use crate::lightmap::{self, DebugSources, DebugView, FinishedFace};
 use crate::patch::{Emission, MapPatches};
-use crate::progress::Progress;
+use crate::progress::{Deadline, Progress};
 use crate::radiosity::bounce::{self, Bounced};
 use crate::radiosity::solve::Limits;
 use crate::radiosity::transfers::Transfers;
-use crate::scene::{Sample, Scene, luxels};
+use crate::scene::{Sample, Scene, Surface, luxels};
 use crate::settings::Settings;
 use crate::{Error, Result};
 use rayon::prelude::*;
 use std::borrow::Cow;
-use std::time::Instant;
 
 /// Longest edge of the largest patches in luxels.
 const LARGEST_PATCH: u32 = 256;
@@ -92,6 +91,19 @@ pub(crate) fn direct(
             },
         )
         .collect()
+}
+
+/// The same until `deadline`, and how far that got.
+pub(crate) fn direct_in_time(
+    scene: &Scene,
+    samples: &[Vec<Sample>],
+    settings: &Settings,
+    deadline: Deadline<'_>,
+    progress: &Progress,
+) -> InTime {
+    let _stage = progress.stage("direct light", 1);
+    let (extra, directions) = (settings.smoothing.extra, settings.outputs.directions());
+    light::direct_in_time(light::Receivers { scene, samples, extra, directions }, deadline)
 }
 
 /// The patches; none when no light is to bounce. They are larger than the settings say where the form
@@ -172,20 +184,35 @@ pub(crate) fn shining<'a>(
     if patches.set.patches.is_empty() {
         return Shining::default();
     }
-    let rules = &scene.world.bounce;
-    let arriving = direct
-        .iter()
-        .zip(points.samples())
-        .zip(&scene.surfaces)
-        .map(|((direct, samples), surface)| {
-            let width = surface.luxels.as_ref().map_or(1, |g| g.width);
-            let light = light::bounce_source(direct, samples, width, settings.smoothing.extra);
-            bounce::ruled(light, rules)
-        })
-        .collect();
     let mut emission = patches.emission(&scene.emitters);
-    bounce::rule_emission(&mut emission, rules);
-    Shining { arriving, emission }
+    bounce::rule_emission(&mut emission, &scene.world.bounce);
+    Shining { arriving: arriving(scene, points, direct, settings), emission }
+}
+
+/// Direct light at the luxels of each surface, as it bounces.
+fn arriving<'a>(
+    scene: &Scene,
+    points: &Points,
+    direct: &'a [DirectLight],
+    settings: &Settings,
+) -> Vec<Cow<'a, [StyleLight]>> {
+    let samples = points.samples().iter().zip(&scene.surfaces);
+    let of = |(direct, (samples, surface)): (&'a DirectLight, (&Vec<Sample>, &Surface))| {
+        let width = surface.luxels.as_ref().map_or(1, |g| g.width);
+        let light = light::bounce_source(direct, samples, width, settings.smoothing.extra);
+        bounce::ruled(light, &scene.world.bounce)
+    };
+    direct.iter().zip(samples).map(of).collect()
+}
+
+/// Bounced light without patches, the same everywhere.
+pub(crate) fn ambient(
+    scene: &Scene,
+    (points, direct): (&Points, &[DirectLight]),
+    settings: &Settings,
+) -> Gathered {
+    let arriving = arriving(scene, points, direct, settings);
+    Gathered { maps: lightmap::ambient(scene, &points.luxels, &arriving), hemicubes: 0 }
 }
 
 /// Final light of the patches in every style.
@@ -238,7 +265,7 @@ pub(crate) fn check(
     if !settings.check || sources.light.is_empty() {
         return (None, None);
     }
-    let end = Instant::now() + check::budget(progress.elapsed(), settings.check_share);
+    let end = progress.deadline(check::end(progress.elapsed(), settings.check_share));
     let _stage = progress.stage("check", 1);
     let run = check::Run {
         sources,

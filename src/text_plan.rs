@@ -1,6 +1,6 @@
 //! The plan of a run on a text scene: which effects its patches call for, why, and what they take.
 
-use crate::aim::estimate_text;
+use crate::aim::{TextLadder, estimate_text};
 use crate::patch::{PatchEffects, Quad, Shader, TextScene};
 use crate::radiosity::hemicube::HemicubeSize;
 use crate::radiosity::solve::Solution;
@@ -78,7 +78,7 @@ fn make_grey(quad: &mut Quad) {
 /// # Errors
 /// When the scene's hemicube size is out of range.
 pub fn predict(plan: &mut Plan, scene: &TextScene, quality: Quality) -> Result<()> {
-    let predicted = estimate_text(scene, |q| q == quality)?;
+    let predicted = estimate_text(scene, &TextLadder::default(), |q| q == quality)?;
     if let (Some(predicted), Some(entry)) = (predicted.first(), plan.entry_mut(Effect::Bounces)) {
         entry.predicted = entry.on.then(|| Cost {
             cells: cells(scene),

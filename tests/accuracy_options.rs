@@ -25,12 +25,6 @@ fn printed(args: &[&str]) -> String {
     String::from_utf8(output.stdout).unwrap()
 }
 
-/// Seconds in a row of a table.
-fn seconds(table: &str, name: &str) -> f64 {
-    let row = table.lines().find(|l| l.starts_with(name)).unwrap_or_else(|| panic!("{table}"));
-    row.split_whitespace().rev().nth(1).unwrap().parse().unwrap()
-}
-
 #[test]
 fn every_run_tells_its_error_unless_told_not_to() {
     let folder = tempfile::tempdir().unwrap();
@@ -161,20 +155,14 @@ fn errors_can_be_asked_for() {
 }
 
 #[test]
-#[ignore = "needs a machine whose load does not change while it runs"]
-fn time_budgets_are_kept() {
+fn times_can_be_asked_for() {
     let folder = tempfile::tempdir().unwrap();
     let map = copy(folder.path(), "styles.bsp");
     let out = folder.path().join("out.bsp");
-    // What is enough depends on the machine.
-    let usual = seconds(&printed(&[arg(&map), "-o", arg(&out)]), "time");
-    let budget = 2.0 + 6.0 * usual;
-    let text = format!("{budget}s");
-    let table = printed(&[arg(&map), "-o", arg(&out), "--time-budget", &text, "--keep-partial"]);
-    println!("{budget} s\n{table}");
-    assert!(seconds(&table, "time") < 1.1 * budget, "{table}");
-    assert!(out.exists() && table.contains("for a time of"));
-    // Too short for anything: the roughest settings, and it says so.
-    let table = printed(&[arg(&map), "-o", arg(&out), "--time-budget", "0.01s"]);
+    let args = [arg(&map), "-o", arg(&out), "--time-budget"];
+    // Enough on any machine, and too few for anything on any. `tests/time_budget.rs` has what is between.
+    let table = printed(&[&args[..], &["5s", "--keep-partial"]].concat());
+    assert!(table.contains("for a time of 5 s") && out.exists(), "{table}");
+    let table = printed(&[&args[..], &["0.0001s"]].concat());
     assert!(table.contains("too few"), "{table}");
 }

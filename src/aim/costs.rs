@@ -37,6 +37,8 @@ pub struct Costs {
     patches: BTreeMap<u32, f64>,
     /// By cells: seconds of a hemicube with all threads at work, and form factors in a row.
     hemicubes: BTreeMap<u32, (f64, f64)>,
+    /// Size of the patches of those rows.
+    rows_of: f64,
     /// Bytes in use before.
     base: f64,
 }
@@ -55,12 +57,28 @@ pub struct Predicted {
 impl Costs {
     /// Cuts patches and times some hemicubes.
     pub fn measure(scene: &Scene, luxels: &[Vec<Sample>]) -> Self {
-        let cut = |size| (size, MapPatches::new(scene, luxels, size));
-        let patches: Vec<(u32, MapPatches)> = PATCH_SIZES.into_iter().map(cut).collect();
-        let finest = &patches[0].1;
+        Self::sampled(scene, luxels, &PATCH_SIZES, &CELLS, SAMPLED)
+    }
+
+    /// The same for the roughest settings, at once.
+    pub fn measure_rough(scene: &Scene, luxels: &[Vec<Sample>]) -> Self {
+        let (largest, fewest) = (PATCH_SIZES[PATCH_SIZES.len() - 1], CELLS[0]);
+        Self::sampled(scene, luxels, &[largest], &[fewest], SAMPLED / 2)
+    }
+
+    fn sampled(
+        scene: &Scene,
+        luxels: &[Vec<Sample>],
+        patch_sizes: &[u32],
+        cells: &[u32],
+        sampled: usize,
+    ) -> Self {
+        let cut = |&size| (size, MapPatches::new(scene, luxels, size));
+        let patches: Vec<(u32, MapPatches)> = patch_sizes.iter().map(cut).collect();
+        let (finest_size, finest) = &patches[0];
         let count = finest.set.patches.len();
-        let step = count.div_ceil(SAMPLED).max(1);
-        let time = |cells: u32| {
+        let step = count.div_ceil(sampled).max(1);
+        let time = |&cells: &u32| {
             let size = HemicubeSize::new(cells, cells).expect("even and in range");
             let delta = DeltaFormFactors::new(size);
             let chosen: Vec<usize> = (0..count).step_by(step).collect();
@@ -82,7 +100,8 @@ impl Costs {
         };
         Self {
             luxels: luxels.iter().flatten().filter(|s| !s.occluded).count() as f64,
-            hemicubes: CELLS.into_iter().map(time).collect(),
+            hemicubes: cells.iter().map(time).collect(),
+            rows_of: f64::from(*finest_size),
             patches: patches.iter().map(|(s, p)| (*s, p.set.patches.len() as f64)).collect(),
             base: crate::memory::peak().unwrap_or(8 << 20) as f64,
         }
@@ -100,7 +119,7 @@ impl Costs {
         let count = count * (f64::from(near) / f64::from(size)).powi(2);
         let own = if rung.share > 0.0 { OWN } else { 1.0 };
         // Fewer patches are seen where they are larger.
-        let row = self.of(rung.cells).1 * (2.0 / f64::from(size)).powf(1.2);
+        let row = self.of(rung.cells).1 * (self.rows_of / f64::from(size)).powf(1.2);
         [count, count * own, count * own * row]
     }
 

@@ -1,6 +1,6 @@
 //! Before a run: what each preset would take on this map.
 
-use super::{Costs, Predicted, Rung};
+use super::{Costs, Predicted};
 use crate::bsp::{Bsp, MipTex};
 use crate::light::{self, Directions, RayCounts};
 use crate::progress::Progress;
@@ -44,7 +44,7 @@ pub fn estimate(
     let costs = Costs::measure(&scene, &points.luxels);
     let of = |quality: Quality| {
         let preset = Settings::of_quality(quality);
-        let rung = Rung::of(&Settings { hemicube: preset.hemicube, ..preset });
+        let rung = settings.ladder.nearest(&preset);
         let bounces = scene.world.bounce.most != Some(0);
         let mut predicted = costs.predict(&rung);
         if !bounces {

@@ -1,5 +1,6 @@
 //! What text scenes take at each preset, from samples of their rows.
 
+use super::TextLadder;
 use crate::patch::{PatchId, TextPatches, TextScene};
 use crate::radiosity::hemicube::{DeltaFormFactors, HemicubeSize, View};
 use crate::radiosity::importance::Importance;
@@ -18,14 +19,6 @@ const SAMPLED: usize = 48;
 const ROUGH: u32 = 32;
 /// Seconds of a pass for each form factor, on one thread.
 const PASS: f64 = 2e-9;
-/// Errors at the presets that nine of ten scenes with known light stay below.
-const ERRORS: [(Quality, f64); 4] = [
-    (Quality::Draft, 0.006),
-    (Quality::Normal, 0.0013),
-    (Quality::High, 0.0011),
-    (Quality::Final, 0.0005),
-];
-
 /// What a preset takes on a text scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TextPredicted {
@@ -39,18 +32,13 @@ pub struct TextPredicted {
     pub error: f64,
 }
 
-/// The cheapest preset that is expected to reach a relative error, or the finest.
-pub fn text_quality(target: f64) -> Quality {
-    let enough = ERRORS.iter().find(|e| e.1 <= target);
-    enough.map_or(Quality::Final, |e| e.0)
-}
-
 /// Predicts the presets that are `wanted`.
 ///
 /// # Errors
 /// When the scene's hemicube size is out of range.
 pub fn estimate_text(
     scene: &TextScene,
+    ladder: &TextLadder,
     wanted: impl Fn(Quality) -> bool,
 ) -> Result<Vec<TextPredicted>> {
     let begin = Instant::now();
@@ -112,5 +100,5 @@ pub fn estimate_text(
         let memory = 6e6 + factors * 8.5 + count as f64 * 1500.0;
         TextPredicted { quality, seconds: plain + begun + improving + passes, memory, error }
     };
-    Ok(ERRORS.into_iter().filter(|e| wanted(e.0)).map(of).collect())
+    Ok(ladder.errors().into_iter().filter(|e| wanted(e.0)).map(of).collect())
 }

@@ -32,16 +32,18 @@ impl Energy {
         // What others see of each patch, times its area; and how many see it. Liquids take light, but no
         // ray of others ends on them.
         let mut seen = vec![(0.0, 0_u32); exitance.len()];
-        let mut sees = vec![0.0; exitance.len()];
-        // What of that translucent surfaces change, a channel.
-        let mut changed = vec![DVec3::ZERO; exitance.len()];
+        let mut sees = vec![DVec3::ZERO; exitance.len()];
         for (i, patch) in patches.patches.iter().enumerate() {
             for (j, f) in transfers.entries(i) {
                 let of = &mut seen[j as usize];
                 *of = (of.0 + f64::from(patch.area * f), of.1 + 1);
                 sees[i] += f64::from(f);
             }
-            changed[i] = transfers.overlay_row(i).iter().map(|(_, f)| f.as_dvec3()).sum();
+            for &(j, f) in transfers.overlay_row(i) {
+                sees[i] += f.as_dvec3();
+                let of = &mut seen[j as usize];
+                *of = (of.0 + f64::from(patch.area * f.element_sum() / 3.0), of.1 + 1);
+            }
         }
         let (mut all, mut sent, mut arrived) = (0.0, 0.0, 0.0);
         let mut dead = (0, None);
@@ -49,14 +51,15 @@ impl Energy {
             let area = f64::from(patch.area);
             let light = area * exitance[i].element_sum();
             all += light;
-            sent += light * sees[i] + area * exitance[i].dot(changed[i]);
+            sent += area * exitance[i].dot(sees[i]);
             let (by_others, witnesses) = seen[i];
             if witnesses == 0 {
                 continue;
             }
             arrived += area * received[i].element_sum();
             let share = by_others / area;
-            if witnesses >= WITNESSES && share > SEEN && sees[i] < DEAD * share {
+            if witnesses >= WITNESSES && share > SEEN && sees[i].element_sum() / 3.0 < DEAD * share
+            {
                 dead = (dead.0 + 1, dead.1.or(Some(i)));
             }
         }

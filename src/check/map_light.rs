@@ -2,18 +2,18 @@
 
 use super::choice::Random;
 use super::corners::in_corner;
-use super::walk::{Bundle, Direct, Lamps, Lit, Met, cosine};
-use super::{Again, Energy, Findings, Points, UNCHECKED, check};
+use super::walk::{Bundle, Direct, Lamps, Lit, Met, cosine, passages};
+use super::{Again, Energy, Findings, Points, check};
 use crate::light::StyleLight;
 use crate::lightmap::Sources;
-use crate::patch::{Emission, MapPatches, PatchGrid, PolygonPatches};
+use crate::patch::{Emission, MapPatches, PatchGrid};
 use crate::photometry::{Exitance, Irradiance};
+use crate::progress::Deadline;
 use crate::radiosity::hemicube::{DeltaFormFactors, HemicubeSize, View};
 use crate::radiosity::transfers::Gatherer;
 use crate::scene::Sample;
 use glam::{DVec3, Vec3};
 use std::borrow::Cow;
-use std::time::Instant;
 
 /// Distance of points from surfaces in world units.
 const LIFT: f32 = 0.05;
@@ -66,6 +66,9 @@ impl MapLuxels<'_> {
                 }
             }
         });
+        for &(patch, f) in gatherer.overlay() {
+            sum += self.exitance[patch.0 as usize] * f.as_vec3();
+        }
         sum
     }
 
@@ -80,9 +83,10 @@ impl MapLuxels<'_> {
                 break;
             }
             let direction = cosine(normal, random.next() as f32, random.next() as f32);
-            let Some(met) = self.lit.meet(at, direction) else { break };
-            let patch = &self.lit.patches.patches[met.patch];
-            share *= patch.reflectance.0;
+            let meeting = self.lit.meet(at, direction, &mut random, |_, _| {});
+            let Some((met, through)) = meeting else { break };
+            let Some((met, sent)) = self.lit.side(met, &mut random) else { break };
+            share *= through * sent;
             // Paths go on as likely as they still matter.
             let matters = (2.0 * share.max_element()).min(1.0);
             if random.next() as f32 >= matters {
@@ -90,7 +94,7 @@ impl MapLuxels<'_> {
             }
             share /= matters;
             let Some(luxel) = self.luxel_of(met.patch, random.next() as f32) else { break };
-            (at, normal) = (luxel, patch.normal);
+            (at, normal) = (luxel, self.lit.patches.patches[met.patch].normal);
             let anew = self.gather(gatherer, (at, normal), random.next().to_bits());
             sum += share * (anew - self.irradiance[met.patch]);
         }
@@ -120,7 +124,9 @@ impl Points for MapLuxels<'_> {
         let scene = self.run.sources.scene;
         let surface = &scene.surfaces[self.chosen[point].0 as usize];
         let (at, _) = self.sample(point);
-        !in_corner(scene.bounce_tracer(), at, surface.normal, surface.dist)
+        // Those of sheets have light of their other side, as the irradiance that looks the same.
+        surface.diffuse.is_none()
+            && !in_corner(scene.bounce_tracer(), at, surface.normal, surface.dist)
     }
 
     fn found(&self, point: usize) -> Vec3 {
@@ -149,8 +155,10 @@ impl Points for MapLuxels<'_> {
             Gatherer::new(scene.bounce_tracer(), &patches.set, &self.delta, self.size);
         Box::new(move |point, paths| {
             let seed = point as u64;
-            let rays =
-                self.lit.irradiance(Bundle { seed, paths, starts: false }, |_| self.sample(point));
+            let rays = self.lit.light(Bundle { seed, paths, starts: false }, |_| {
+                let (at, normal) = self.sample(point);
+                (at, normal, Vec3::ONE)
+            });
             let mut half = |half| self.gather_path(&mut gatherer, point, half);
             Again { halves: [half(0), half(1)], rays }
         })
@@ -171,9 +179,7 @@ impl Direct for Between<'_> {
     fn at(&self, met: &Met) -> Vec3 {
         let surface = self.patches.surface[met.patch] as usize;
         let luxels = &self.luxels[surface];
-        let PolygonPatches::Grid(grid) = self.patches.set.lookup.polygon(met.polygon) else {
-            return self.means[met.patch].0;
-        };
+        let Some(grid) = self.patches.grid(surface) else { return self.means[met.patch].0 };
         if luxels.is_empty() {
             return Vec3::ZERO;
         }
@@ -228,12 +234,9 @@ pub struct Run<'a> {
 }
 
 /// Checks bounced light of a map, until `end`.
-pub fn check_luxels(run: &Run<'_>, end: Instant) -> (Option<Findings>, Option<Energy>) {
+pub fn check_luxels(run: &Run<'_>, end: Deadline<'_>) -> (Option<Findings>, Option<Energy>) {
     let Sources { scene, patches, transfers, light } = run.sources;
-    if patches.set.passes_light() {
-        log::warn!("{UNCHECKED}");
-        return (None, None);
-    }
+    let passages = passages(&patches.set);
     let count = patches.set.patches.len();
     let total = |each: &mut dyn Iterator<Item = &[Exitance]>| {
         let mut sum = vec![Vec3::ZERO; count];
@@ -243,6 +246,8 @@ pub fn check_luxels(run: &Run<'_>, end: Instant) -> (Option<Findings>, Option<En
         sum
     };
     let exitance = total(&mut light.iter().map(|l| &l.exitance[..]));
+    let sent: Vec<DVec3> = exitance.iter().map(|m| m.as_dvec3()).collect();
+    let energy = Energy::new(&patches.set, transfers, &sent);
     let emission = total(&mut run.emission.iter().map(|e| &e.exitance[..]));
     let bouncing = total(&mut run.emission.iter().map(|e| &e.bouncing[..]));
     let luxels: Vec<Vec<Irradiance>> =
@@ -256,6 +261,7 @@ pub fn check_luxels(run: &Run<'_>, end: Instant) -> (Option<Findings>, Option<En
         emission: &emission,
         bouncing: &bouncing,
         exitance: &exitance,
+        passages: &passages,
         lamps: Lamps::default(),
         direct: &direct,
         bounces: run.bounces,
@@ -284,9 +290,7 @@ pub fn check_luxels(run: &Run<'_>, end: Instant) -> (Option<Findings>, Option<En
         delta: DeltaFormFactors::new(size),
         size,
     };
-    let findings = check(&points, end);
-    let exitance: Vec<DVec3> = exitance.iter().map(|m| m.as_dvec3()).collect();
-    (findings, Energy::new(&patches.set, transfers, &exitance))
+    (check(&points, end), energy)
 }
 
 /// Light of all styles of a surface.

@@ -24,17 +24,15 @@ pub use statistics::{Findings, Odd};
 pub use text_light::{TextQuads, check_patches};
 pub use walk::{Direct, Lamps, Lit, Met};
 
+use crate::progress::Deadline;
 use choice::spread;
 use glam::Vec3;
 use rayon::prelude::*;
 use statistics::{Pair, findings};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 /// Most points.
 const MOST_POINTS: usize = 600;
-/// Said where light passes through surfaces.
-const UNCHECKED: &str =
-    "the result is not checked: paths do not follow light through glass or curtains";
 /// Paths of a point by rays, in each of two halves: at least, and at most.
 const PATHS: [u32; 2] = [64, 4096];
 /// Share of a run's time that its check may take.
@@ -75,40 +73,44 @@ pub struct Again {
     pub rays: Vec3,
 }
 
-/// How long a check may take: this share of what the run took.
-pub fn budget(run: Duration, share: f64) -> Duration {
-    Duration::from_secs_f64((run.as_secs_f64() * share).max(LEAST))
+/// When a check is to end that begins after a run of some length: it may take a share of that.
+pub fn end(run: Duration, share: f64) -> Duration {
+    run + Duration::from_secs_f64((run.as_secs_f64() * share).max(LEAST))
 }
 
 /// Lights as many points again as the time until `end` allows, chosen and lit by fixed sequences: the
 /// time decides only how many. `None` if there are no points or no light.
-pub fn check(points: &impl Points, end: Instant) -> Option<Findings> {
-    let start = Instant::now();
-    let useful = spread(points.count()).filter(|&p| points.counts(p));
-    let chosen: Vec<usize> = useful.take(MOST_POINTS).collect();
-    if chosen.is_empty() {
-        return None;
-    }
+pub fn check(points: &impl Points, end: Deadline<'_>) -> Option<Findings> {
+    let begun = end.now();
+    let useful = spread(points.count()).filter(|&p| points.counts(p)).take(MOST_POINTS);
     let mut paths = PATHS[0];
-    let mut pairs = light_again(points, &chosen, paths, end);
-    let taken = start.elapsed();
-    let left = end.saturating_duration_since(Instant::now());
-    if points.by_paths() && pairs.len() == chosen.len() && left > 2 * taken {
+    let (mut pairs, whole) = light_again(points, useful, paths, end);
+    let taken = end.now().saturating_sub(begun);
+    let left = end.left();
+    if points.by_paths() && whole && left > 2 * taken {
         let more = 0.8 * left.as_secs_f64() / taken.as_secs_f64() * f64::from(paths);
         paths = (more as u32).min(PATHS[1]);
-        let better = light_again(points, &chosen, paths, end);
+        let (better, _) = light_again(points, pairs.iter().map(|p| p.point), paths, end);
         pairs = if better.len() * 4 > pairs.len() { better } else { pairs };
     }
-    findings(points, &pairs, 2 * paths, start.elapsed())
+    findings(points, &pairs, 2 * paths, end.now().saturating_sub(begun))
 }
 
-/// As many of the `chosen` points as there is time for.
-fn light_again(points: &impl Points, chosen: &[usize], paths: u32, end: Instant) -> Vec<Pair> {
-    let start = Instant::now();
+/// As many of the `chosen` points as there is time for, and whether that was all.
+fn light_again(
+    points: &impl Points,
+    mut chosen: impl Iterator<Item = usize>,
+    paths: u32,
+    end: Deadline<'_>,
+) -> (Vec<Pair>, bool) {
+    let begun = end.now();
     let mut pairs: Vec<Pair> = Vec::new();
     let mut size = rayon::current_num_threads();
-    while pairs.len() < chosen.len() {
-        let some = &chosen[pairs.len()..(pairs.len() + size).min(chosen.len())];
+    loop {
+        let some: Vec<usize> = chosen.by_ref().take(size).collect();
+        if some.is_empty() {
+            return (pairs, true);
+        }
         let more = some.par_iter().map_init(
             || points.again(),
             |again, &point| Pair {
@@ -121,15 +123,13 @@ fn light_again(points: &impl Points, chosen: &[usize], paths: u32, end: Instant)
         let more: Vec<Pair> = more.collect();
         pairs.extend(more);
         // As many as fit into half of the time left, since the time of a point varies.
-        let left = end.saturating_duration_since(Instant::now()).as_secs_f64();
-        let each = start.elapsed().as_secs_f64() / pairs.len() as f64;
-        let fit = 0.5 * left / each;
-        if fit < rayon::current_num_threads() as f64 {
-            break;
+        let each = end.now().saturating_sub(begun).as_secs_f64() / pairs.len() as f64;
+        let fit = 0.5 * end.left().as_secs_f64() / each;
+        if end.passed() || fit < rayon::current_num_threads() as f64 {
+            return (pairs, false);
         }
-        size = fit as usize;
+        size = (fit as usize).min(MOST_POINTS);
     }
-    pairs
 }
 
 #[cfg(test)]

@@ -1,13 +1,13 @@
 //! Checking text scenes: light that patches reflect, as means over their areas.
 
-use super::walk::{Bundle, Direct, Lamps, Lit, Met, within};
-use super::{Again, Energy, Findings, Points, UNCHECKED, check};
+use super::walk::{Bundle, Direct, Lamps, Lit, Met, passages, within};
+use super::{Again, Energy, Findings, Points, check};
 use crate::patch::{MAX_REFLECTANCE, TextPatches, TextScene};
+use crate::progress::Deadline;
 use crate::radiosity::solve::Solution;
 use crate::radiosity::transfers::Transfers;
 use crate::radiosity::trapped;
 use glam::{DVec3, Vec3};
-use std::time::Instant;
 
 /// Distance of points from their patch, relative to the scene.
 const LIFT: f32 = 1e-6;
@@ -62,11 +62,16 @@ impl Points for TextQuads<'_> {
             let patch = &self.patches.set.patches[i];
             let half = |half: u64| {
                 let seed = (i as u64) << 1 | half;
-                let light = self.lit.irradiance(Bundle { seed, paths, starts: true }, |u| {
-                    let on = within(&self.patches.set.outlines[i], u).as_vec3();
-                    (on + patch.normal * LIFT, patch.normal)
-                });
-                light * patch.reflectance.0
+                let bundle = Bundle { seed, paths, starts: true };
+                let of_side = |normal: Vec3, share: Vec3| {
+                    self.lit.light(bundle, |u| {
+                        let on = within(&self.patches.set.outlines[i], u).as_vec3();
+                        (on + normal * LIFT, normal, share * self.lit.pattern(i, on))
+                    })
+                };
+                let back = self.lit.passages.get(i).filter(|p| p.1 != Vec3::ZERO);
+                let back = back.map_or(Vec3::ZERO, |p| of_side(-patch.normal, p.1));
+                of_side(patch.normal, patch.reflectance.0) + back
             };
             let halves = [half(0), half(1)];
             Again { halves, rays: (halves[0] + halves[1]) * 0.5 }
@@ -79,15 +84,13 @@ pub fn check_patches(
     scene: &TextScene,
     transfers: &Transfers,
     solution: &Solution,
-    end: Instant,
+    end: Deadline<'_>,
 ) -> (Option<Findings>, Option<Energy>) {
     let mut patches = TextPatches::new(scene);
-    if patches.set.passes_light() {
-        log::warn!("{UNCHECKED}");
-        return (None, None);
-    }
     let mut reflectance = patches.reflectance();
-    trapped::let_out(transfers, &mut reflectance, &mut [], MAX_REFLECTANCE as f32);
+    let limit = MAX_REFLECTANCE as f32;
+    trapped::let_out(transfers, &mut reflectance, &mut patches.set.passages, limit);
+    let passages = passages(&patches.set);
     for (patch, rho) in patches.set.patches.iter_mut().zip(reflectance) {
         patch.reflectance = rho;
     }
@@ -99,15 +102,16 @@ pub fn check_patches(
         emission: &emission,
         bouncing: &emission,
         exitance: &exitance,
+        passages: &passages,
         lamps: Lamps::new(&patches.set, &emission),
         direct: &NoLight,
         bounces: (!solution.settled).then_some(solution.passes),
         lift: LIFT,
     };
-    let reflects = |&i: &usize| patches.set.patches[i].reflectance.0 != Vec3::ZERO;
-    let chosen = (0..exitance.len()).filter(reflects).collect();
+    let albedo = patches.set.albedo();
+    let chosen = (0..exitance.len()).filter(|&i| albedo[i] != Vec3::ZERO).collect();
     let points = TextQuads { patches: &patches, chosen, exitance: &exitance, lit: &lit };
-    let findings = check(&points, end);
-    let exitance: Vec<DVec3> = exitance.iter().map(|m| m.as_dvec3()).collect();
-    (findings, Energy::new(&patches.set, transfers, &exitance))
+    let sent: Vec<DVec3> = exitance.iter().map(|m| m.as_dvec3()).collect();
+    let energy = Energy::new(&patches.set, transfers, &sent);
+    (check(&points, end), energy)
 }

@@ -1,7 +1,7 @@
 //! Paths of light backwards: from a point along rays, reflected as diffuse surfaces do.
 
 use super::choice::{Random, four};
-use crate::patch::{PatchSet, PolygonPatches};
+use crate::patch::{Overlay, PatchId, PatchSet, PolygonPatches};
 use crate::scene::Tracer;
 use glam::{DVec3, Vec3};
 
@@ -9,6 +9,8 @@ use glam::{DVec3, Vec3};
 const LEFT: f64 = 0.03;
 /// Most surfaces that a path meets.
 const DEEPEST: u32 = 12;
+/// Rays end after so many units of the tracer.
+const FAR: f32 = 1e6;
 
 /// Where a path meets a patch.
 #[derive(Clone, Copy, Debug)]
@@ -17,8 +19,6 @@ pub struct Met {
     pub patch: usize,
     /// The point.
     pub position: Vec3,
-    /// The polygon of the tracer.
-    pub polygon: u32,
 }
 
 /// Direct irradiance where paths meet surfaces.
@@ -39,6 +39,8 @@ pub struct Lit<'a> {
     pub bouncing: &'a [Vec3],
     /// The solution: final exitance.
     pub exitance: &'a [Vec3],
+    /// What passes through patches, from [`passages`]; empty if nothing does.
+    pub passages: &'a [(usize, Vec3)],
     /// Patches that rays are sent to besides: none, or all that give off light.
     pub lamps: Lamps,
     /// Light of other kinds.
@@ -60,6 +62,7 @@ pub struct Lamps {
 
 #[derive(Clone, Debug)]
 struct Lamp {
+    patch: usize,
     corners: Vec<DVec3>,
     normal: Vec3,
     light: Vec3,
@@ -81,14 +84,14 @@ impl Lamps {
             let by_area = (power(i) / all / area(&corners)) as f32;
             found.by_area[i] = by_area;
             let normal = patches.patches[i].normal;
-            found.lamps.push(Lamp { corners, normal, light, by_area, until });
+            found.lamps.push(Lamp { patch: i, corners, normal, light, by_area, until });
         }
         found
     }
 
     /// Light of one lamp that arrives at a point, by one ray. What it counts for, against rays that meet
     /// the lamp by chance, is the balance heuristic (E. Veach and L. Guibas, 1995).
-    fn arriving(&self, tracer: &Tracer, from: Vec3, normal: Vec3, random: &mut Random) -> Vec3 {
+    fn arriving(&self, lit: &Lit<'_>, from: Vec3, normal: Vec3, random: &mut Random) -> Vec3 {
         let chosen = random.next();
         let Some(lamp) = self.lamps.get(self.lamps.partition_point(|l| l.until < chosen)) else {
             return Vec3::ZERO;
@@ -96,10 +99,15 @@ impl Lamps {
         let at = within(&lamp.corners, [random.next() as f32, random.next() as f32]).as_vec3();
         let (way, distance) = (at - from, at.distance(from));
         let chance = by_chance(way, distance, normal, lamp.normal);
-        if chance <= 0.0 || tracer.first_hit(from, way, 1.0 - 1e-4).is_some() {
+        let before = 1.0 - 1e-4;
+        if chance <= 0.0 || lit.tracer.first_hit(from, way, before).is_some() {
             return Vec3::ZERO;
         }
-        lamp.light * (chance / (chance + lamp.by_area))
+        let through = lit.overlay().map_or(Vec3::ONE, |overlay| {
+            overlay.through(from.as_dvec3(), (from + way * before).as_dvec3()).as_vec3()
+        });
+        let light = lamp.light * lit.pattern(lamp.patch, at) * through;
+        light * (chance / (chance + lamp.by_area))
     }
 
     /// What emission counts for that a ray meets by chance.
@@ -151,8 +159,8 @@ impl Lit<'_> {
     /// at most 12. The last one's light is that of the solution, unless bounces are limited to less.
     pub fn depth(&self) -> u32 {
         let (mut sum, mut areas) = (0.0, 0.0);
-        for p in &self.patches.patches {
-            sum += f64::from(p.area) * f64::from(p.reflectance.0.max_element());
+        for (p, albedo) in self.patches.patches.iter().zip(self.patches.albedo()) {
+            sum += f64::from(p.area) * f64::from(albedo.max_element());
             areas += f64::from(p.area);
         }
         let mean: f64 = (sum / areas).clamp(0.01, 0.99);
@@ -160,22 +168,33 @@ impl Lit<'_> {
         depth.clamp(2, DEEPEST)
     }
 
-    /// Irradiance as the mean of a bundle of paths. `start` tells where they begin and the unit normal
-    /// there, given two numbers from 0 to 1.
-    pub(super) fn irradiance(
+    fn overlay(&self) -> Option<&Overlay> {
+        self.patches.overlay.as_deref()
+    }
+
+    /// Light of a patch at a point over its mean.
+    pub(super) fn pattern(&self, patch: usize, point: Vec3) -> Vec3 {
+        let of = |o: &Overlay| o.pattern(PatchId(patch as u32), point.as_dvec3());
+        self.overlay().and_then(of).map_or(Vec3::ONE, DVec3::as_vec3)
+    }
+
+    /// Light as the mean of a bundle of paths. `start` tells where they begin, the unit normal there and
+    /// what their irradiance counts for, given two numbers from 0 to 1.
+    pub(super) fn light(
         &self,
         bundle: Bundle,
-        start: impl Fn([f32; 2]) -> (Vec3, Vec3),
+        start: impl Fn([f32; 2]) -> (Vec3, Vec3, Vec3),
     ) -> Vec3 {
         let depth = self.depth();
         let seed = Random(bundle.seed).next().to_bits();
         let mut sum = DVec3::ZERO;
         for k in 0..bundle.paths {
             let [u, v, x, y] = four(k, seed, bundle.starts);
-            let (from, normal) = start([x, y]);
+            let (from, normal, share) = start([x, y]);
             let mut random = Random(seed ^ u64::from(k).wrapping_mul(0xD6E8_FEB8_6659_FD93));
             let direction = cosine(normal, u, v);
-            sum += self.walk((from, normal), direction, depth, &mut random).as_dvec3();
+            let light = share * self.walk((from, normal), direction, depth, &mut random);
+            sum += light.as_dvec3();
         }
         (sum / f64::from(bundle.paths)).as_vec3()
     }
@@ -193,48 +212,134 @@ impl Lit<'_> {
         let limit = self.bounces.filter(|&n| n < DEEPEST);
         let last = limit.map_or(depth, |n| n + 1);
         for met_so_far in 1..=last {
-            sum += share * self.lamps.arriving(self.tracer, from, normal, random);
-            let Some(met) = self.meet(from, direction) else { break };
-            let i = met.patch;
-            let patch = &self.patches.patches[i];
-            let chance = {
+            sum += share * self.lamps.arriving(self, from, normal, random);
+            let given_off = |met: &Met| {
+                let patch = &self.patches.patches[met.patch];
                 let way = met.position - from;
-                by_chance(way, way.length(), normal, patch.normal)
+                let chance = by_chance(way, way.length(), normal, patch.normal);
+                let list = if met_so_far == 1 { self.emission } else { self.bouncing };
+                let light = list[met.patch] * self.pattern(met.patch, met.position);
+                light * self.lamps.share(met.patch, chance)
             };
-            let emission = if met_so_far == 1 { self.emission[i] } else { self.bouncing[i] };
-            sum += share * emission * self.lamps.share(i, chance);
+            let meeting = self.meet(from, direction, random, |met, through| {
+                sum += share * through * given_off(met);
+            });
+            let Some((met, through)) = meeting else { break };
+            share *= through * self.pattern(met.patch, met.position);
             if met_so_far == last {
                 if limit.is_none() {
-                    sum += share * (self.exitance[i] - self.emission[i]);
+                    sum += share * (self.exitance[met.patch] - self.emission[met.patch]);
                 }
                 break;
             }
-            share *= patch.reflectance.0;
-            if share == Vec3::ZERO {
-                break;
-            }
-            sum += share * self.direct.at(&met);
-            (from, normal) = (met.position + patch.normal * self.lift, patch.normal);
+            let Some((lit, sent)) = self.side(met, random) else { break };
+            share *= sent;
+            sum += share * self.direct.at(&lit);
+            normal = self.patches.patches[lit.patch].normal;
+            from = lit.position + normal * self.lift;
             direction = cosine(normal, random.next() as f32, random.next() as f32);
         }
         sum
     }
 
-    /// The patch that a ray meets from its front.
-    pub(super) fn meet(&self, from: Vec3, direction: Vec3) -> Option<Met> {
-        let hit = self.tracer.first_hit(from, direction, f32::MAX)?;
-        let polygon = &self.tracer.polygons()[hit.polygon as usize];
-        if polygon.normal.dot(from - polygon.vertices[0]) <= 0.0 {
-            return None;
+    /// The patch that a ray meets from its front, and the share of its light that comes back along the
+    /// ray. A translucent patch on the way is met as likely as it sends on light of its own and not of
+    /// what is behind. `seen` is told of all patches that come into question.
+    pub(super) fn meet(
+        &self,
+        from: Vec3,
+        direction: Vec3,
+        random: &mut Random,
+        mut seen: impl FnMut(&Met, Vec3),
+    ) -> Option<(Met, Vec3)> {
+        let hit = self.tracer.first_hit(from, direction, FAR);
+        let mut share = Vec3::ONE;
+        if let Some(overlay) = self.overlay() {
+            let end = hit.as_ref().map_or(FAR, |hit| hit.distance);
+            let (start, to) = (from.as_dvec3(), (from + direction * end).as_dvec3());
+            for (t, polygon) in overlay.crossings(start, to) {
+                let position = start + (to - start) * t;
+                let tint = overlay.tint(polygon, position, to - start).as_vec3();
+                if let Some(side) = overlay.side(polygon, to - start) {
+                    let met = Met { patch: side.0 as usize, position: position.as_vec3() };
+                    seen(&met, share);
+                    let [own, behind] = [self.albedo(met.patch), tint.max_element()];
+                    let chance = if own > 0.0 { own / (own + behind) } else { 0.0 };
+                    if chance > 0.0 && (random.next() as f32) < chance {
+                        return Some((met, share / chance));
+                    }
+                    share /= 1.0 - chance;
+                }
+                share *= tint;
+                if share == Vec3::ZERO {
+                    return None;
+                }
+            }
         }
+        let hit = hit?;
+        let sides = [Some(hit.polygon), self.other_side(hit.polygon)];
+        let polygon = sides.into_iter().flatten().find(|&side| {
+            let polygon = &self.tracer.polygons()[side as usize];
+            polygon.normal.dot(from - polygon.vertices[0]) > 0.0
+        })?;
         let position = from + direction * hit.distance;
-        let patch = match self.patches.lookup.polygon(hit.polygon) {
+        let patch = match self.patches.lookup.polygon(polygon) {
             PolygonPatches::None => return None,
             PolygonPatches::Whole(patch) => *patch,
             PolygonPatches::Grid(grid) => grid.at_point(position),
         };
-        Some(Met { patch: patch.0 as usize, position, polygon: hit.polygon })
+        let met = Met { patch: patch.0 as usize, position };
+        seen(&met, share);
+        Some((met, share))
     }
+
+    /// The other side of a sheet, the polygon before or after with the same corners the other way round:
+    /// a ray may meet either.
+    fn other_side(&self, polygon: u32) -> Option<u32> {
+        let polygons = self.tracer.polygons();
+        let own = &polygons[polygon as usize].vertices;
+        let beside = [polygon.checked_add(1), polygon.checked_sub(1)].into_iter().flatten();
+        beside.into_iter().find(|&other| {
+            let other = polygons.get(other as usize);
+            other.is_some_and(|o| o.vertices.iter().rev().eq(own))
+        })
+    }
+
+    /// Largest share of the light on a patch, or on its other side, that it gives off again.
+    fn albedo(&self, patch: usize) -> f32 {
+        let passes = self.passages.get(patch).map_or(0.0, |p| p.1.max_element());
+        self.patches.patches[patch].reflectance.0.max_element() + passes
+    }
+
+    /// Where the light fell that a patch gives off at a point, one side of it or the other at random, and
+    /// the share of it that is given off. `None` where it gives off none of others.
+    pub(super) fn side(&self, met: Met, random: &mut Random) -> Option<(Met, Vec3)> {
+        let reflectance = self.patches.patches[met.patch].reflectance.0;
+        let Some(&(other, passes)) = self.passages.get(met.patch).filter(|p| p.1 != Vec3::ZERO)
+        else {
+            return (reflectance != Vec3::ZERO).then_some((met, reflectance));
+        };
+        let [back, through] = [reflectance, passes].map(Vec3::max_element);
+        let chance = back / (back + through);
+        if (random.next() as f32) < chance {
+            return Some((met, reflectance / chance));
+        }
+        let patch = &self.patches.patches[other];
+        let position = met.position + patch.normal * patch.normal.dot(patch.eye - met.position);
+        Some((Met { patch: other, position }, passes / (1.0 - chance)))
+    }
+}
+
+/// By patch: the one on the other side, whose light passes, and the share of it; empty where none does.
+pub(super) fn passages(patches: &PatchSet) -> Vec<(usize, Vec3)> {
+    if patches.passages.is_empty() {
+        return Vec::new();
+    }
+    let mut found = vec![(0, Vec3::ZERO); patches.patches.len()];
+    for passage in &patches.passages {
+        found[passage.to.0 as usize] = (passage.from.0 as usize, passage.transmittance);
+    }
+    found
 }
 
 /// A direction above a surface, as likely as the cosine to its unit normal: two numbers from 0 to 1

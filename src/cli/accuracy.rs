@@ -24,9 +24,10 @@ pub struct AccuracyArgs {
     #[arg(long, value_name = "FILE.csv", requires = "sweep", help_heading = "Accuracy")]
     pub truth: Option<PathBuf>,
 
-    /// Choose the settings of bounced light for an error, such as 2%, and tell what they take
+    /// Choose the settings of bounced light for an error, such as 2%, and tell what they take; with
+    /// --sweep, that is the only point of the sweep
     #[arg(long, value_name = "PERCENT", value_parser = share)]
-    #[arg(conflicts_with_all = ["sweep", "time_budget", "quality", "hemicube", "patch_size", "gather"])]
+    #[arg(conflicts_with_all = ["time_budget", "quality", "hemicube", "patch_size", "gather"])]
     #[arg(help_heading = "Accuracy")]
     pub target_error: Option<f64>,
 

@@ -10,6 +10,7 @@ pub use effects::EffectArgs;
 pub use outputs::{GridFormatArg, OutputArgs};
 pub use values::{BounceCount, GatherArg, NearFieldArg, SurfaceLightsArg};
 
+use crate::aim::Ladder;
 use crate::cache::Cache;
 use crate::lightmap::{DebugView, Gather, Smoothing};
 use crate::memory::MemoryLimit;
@@ -249,6 +250,7 @@ impl Cli {
             check: !self.accuracy.no_check,
             check_share: crate::check::SHARE,
             aim: self.accuracy.aim(),
+            ladder: Ladder::default(),
             keep_partial: self.accuracy.keep_partial,
             switches: self.effects.switches()?,
             memory: match &self.memory_limit {

@@ -37,6 +37,11 @@ impl Directions {
         &self.styles
     }
 
+    /// The same, to be changed.
+    pub(super) fn styles_mut(&mut self) -> &mut Vec<StyleDirections> {
+        &mut self.styles
+    }
+
     /// Adds light of a style to sample `i` of `count`: `way` leads to its source, whose distance does
     /// not matter unless it is next to nothing, when it counts as straight above.
     pub(super) fn add(&mut self, style: u16, (i, count): (usize, usize), way: Vec3, colour: Vec3) {

@@ -1,12 +1,14 @@
 //! Dirt: light is weaker where surfaces are near, as if dirt gathered in corners (contract section
 //! 6.3). Rays into the half space over a luxel measure how much room it has.
 
+use super::spread::Shares;
 use super::tiles::{Tile, Tiles};
 use crate::scene::effects::COMPILED;
 use crate::scene::exact::{dot, normalize, radians};
 use crate::scene::{Bounds, DirtKeys, DirtSettings, Floor, LightRays, Sample, Scene};
 use glam::Vec3;
 use std::f64::consts::TAU;
+use std::ops::Range;
 
 /// Most samples of a tile whose rays are looked at together.
 const MOST_AT_ONCE: usize = 256;
@@ -62,6 +64,26 @@ impl FaceDirt {
         };
         let occlusion = samples.iter().zip(&room.sums).map(occlusion).collect();
         Self { occlusion, gain: settings.gain, scale: settings.scale }
+    }
+
+    /// Dirt at other samples, each a sum of shares of those here; all of it where there are none.
+    pub(super) fn spread(&self, shares: &[Shares]) -> Self {
+        let sum = |s: &Shares| match &s[..] {
+            [] => 1.0,
+            some => some.iter().map(|&(k, share)| self.occlusion[k] * share).sum(),
+        };
+        let is_there = !self.occlusion.is_empty();
+        let occlusion = if is_there { shares.iter().map(sum).collect() } else { Vec::new() };
+        Self { occlusion, ..*self }
+    }
+
+    /// Puts the dirt of the samples in `range` into that of `count`.
+    pub(super) fn put(&mut self, range: &Range<usize>, part: &Self, count: usize) {
+        if !part.occlusion.is_empty() {
+            (self.gain, self.scale) = (part.gain, part.scale);
+            self.occlusion.resize(count, 0.0);
+            self.occlusion[range.clone()].copy_from_slice(&part.occlusion);
+        }
     }
 
     /// Share of light that dirt leaves at a sample by the settings of the map, 0 to 1.

@@ -1,5 +1,6 @@
 //! From patches back to luxels: indirect light, the stored levels, packing and pictures of them.
 
+mod ambient;
 mod atlas;
 mod debug;
 mod directions;
@@ -14,6 +15,7 @@ mod probes;
 mod refine;
 mod vanilla;
 
+pub(crate) use ambient::ambient;
 pub use atlas::{atlas_of_light, atlases, dump};
 pub use debug::{DebugSources, DebugView, debug_faces};
 pub use directions::add_bounced_directions;

@@ -4,17 +4,17 @@ use super::indirect::{Drawn, seed};
 use super::{GatherSettings, Sources};
 use crate::light::StyleLight;
 use crate::photometry::Irradiance;
+use crate::progress::Deadline;
 use crate::radiosity::hemicube::View;
 use crate::radiosity::transfers::Gatherer;
 use crate::scene::Sample;
 use glam::DVec3;
 use rayon::prelude::*;
-use std::time::Instant;
 
 /// Luxels between two looks at the clock, for each thread.
 const BATCH: usize = 32;
 
-/// Replaces bounced light in `maps` by that of hemicubes at luxels until `end`. `samples` holds the
+/// Replaces bounced light in `maps` by that of hemicubes at luxels until `deadline`. `samples` holds the
 /// luxels of each surface. Returns how many luxels were done. The time decides how many and nothing
 /// else.
 pub fn refine(
@@ -22,14 +22,14 @@ pub fn refine(
     samples: &[Vec<Sample>],
     maps: &mut [Vec<StyleLight>],
     settings: GatherSettings,
-    end: Instant,
+    deadline: Deadline<'_>,
 ) -> u64 {
     let order = most_varied(sources, samples, maps);
     let size = settings.hemicube;
     let drawn = Drawn::new(sources, size);
     let mut done = 0;
     for batch in order.chunks(BATCH * rayon::current_num_threads()) {
-        if Instant::now() >= end {
+        if deadline.passed() {
             break;
         }
         let light: Vec<Vec<DVec3>> = batch
@@ -90,7 +90,8 @@ fn most_varied(
             let level = |i: usize| -> f32 {
                 maps[face].iter().map(|m| m.irradiance[i].0.element_sum()).sum()
             };
-            let wanted = !surface.light_ignore;
+            // Luxels of sheets have light of their other side too.
+            let wanted = !surface.light_ignore && surface.diffuse.is_none();
             let free = (0..samples.len()).filter(move |&i| wanted && !samples[i].occluded);
             free.map(move |i| {
                 let (x, y) = (i % width, i / width);

@@ -77,11 +77,6 @@ pub struct Passage {
 }
 
 impl PatchSet {
-    /// Whether light passes through anything, or patches vary within themselves.
-    pub fn passes_light(&self) -> bool {
-        self.overlay.is_some() || !self.passages.is_empty()
-    }
-
     /// Share of the light that meets each patch that it sends on, by reflection and transmission; per
     /// channel, from 0 to 1.
     pub fn albedo(&self) -> Vec<Vec3> {

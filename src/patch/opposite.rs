@@ -1,7 +1,7 @@
 //! The other side of thin brushes: where light that meets one face leaves another.
 
 use super::subdivide::MapPatches;
-use super::{Passage, PatchId, PolygonPatches};
+use super::{Passage, PatchGrid, PatchId, PolygonPatches};
 use crate::scene::{Scene, Surface};
 use glam::Vec3;
 
@@ -42,8 +42,13 @@ impl MapPatches {
 
     /// The patch of a surface at a world point on it.
     pub fn at(&self, surface: usize, point: Vec3) -> Option<PatchId> {
+        Some(self.grid(surface)?.at_point(point))
+    }
+
+    /// The patches of a surface, along its luxels.
+    pub fn grid(&self, surface: usize) -> Option<&PatchGrid> {
         match self.set.lookup.polygon((*self.intervals.polygons.get(surface)?)?) {
-            PolygonPatches::Grid(grid) => Some(grid.at_point(point)),
+            PolygonPatches::Grid(grid) => Some(grid),
             _ => None,
         }
     }

@@ -86,8 +86,23 @@ impl Overlay {
 
     /// Share of each channel that gets from one point to another through all that is between.
     pub fn through(&self, from: DVec3, to: DVec3) -> DVec3 {
-        let way = to - from;
         let mut share = DVec3::ONE;
+        self.cross(from, to, |t, polygon| {
+            share *= self.tint(polygon, from + (to - from) * t, to - from);
+        });
+        share
+    }
+
+    /// The polygons between two points, in order, and at which share of the way each is.
+    pub fn crossings(&self, from: DVec3, to: DVec3) -> Vec<(f64, u32)> {
+        let mut found = Vec::new();
+        self.cross(from, to, |t, polygon| found.push((t, polygon)));
+        found.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        found
+    }
+
+    fn cross(&self, from: DVec3, to: DVec3, mut cross: impl FnMut(f64, u32)) {
+        let way = to - from;
         let nodes = self.layers.nodes();
         let mut stack = if nodes.is_empty() { vec![] } else { vec![0u32] };
         while let Some(index) = stack.pop() {
@@ -108,11 +123,10 @@ impl Overlay {
                 }
                 let corner = |k: usize| corners[k % corners.len()].as_dvec3() - from;
                 if in_cone((0..corners.len()).map(|k| corner(k).cross(corner(k + 1))), way) {
-                    share *= self.tint(polygon, from + way * t, way);
+                    cross(t, polygon);
                 }
             }
         }
-        share
     }
 }
 

@@ -1,7 +1,9 @@
 //! What a sweep measures.
 
 use crate::Result;
+use crate::progress::processor_seconds;
 use image::RgbImage;
+use std::time::Instant;
 
 /// One point of a sweep: the settings that it is about.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -27,6 +29,12 @@ impl Knobs {
         hash
     }
 
+    /// The settings as `name=value` with spaces between.
+    pub fn text(&self) -> String {
+        let pairs: Vec<String> = self.values.iter().map(|(n, v)| format!("{n}={v}")).collect();
+        pairs.join(" ")
+    }
+
     /// The value of a setting.
     pub fn get(&self, name: &str) -> Option<&str> {
         self.values.iter().find(|v| v.0 == name).map(|v| &*v.1)
@@ -34,23 +42,47 @@ impl Knobs {
 }
 
 /// What was measured at one point.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Measured {
     /// Seconds from the parsed file to the lightmaps.
     pub seconds: f64,
+    /// Of processors, on all threads; 0 where the system does not tell.
+    pub processor: f64,
     /// Most memory in bytes, where the system tells it.
     pub memory: Option<u64>,
     /// Bounced light at the points of comparison.
     pub values: Vec<f32>,
     /// The lightmaps.
     pub picture: Option<RgbImage>,
+    /// Share of the luxels that got hemicubes, on maps.
+    pub luxels: f64,
+    /// Seconds and error that were expected, if an error was asked for.
+    pub expected: Option<[f64; 2]>,
+    /// Seconds that half the error was said to take, and the settings for it, as in the table.
+    pub half: Option<(f64, String)>,
+}
+
+/// When something began.
+pub(super) struct Taken(Instant, Option<f64>);
+
+impl Taken {
+    /// Now.
+    pub fn now() -> Self {
+        Self(Instant::now(), processor_seconds())
+    }
+
+    /// Seconds since then, and those of processors; 0 where these are not known.
+    pub fn seconds(&self) -> [f64; 2] {
+        let work = self.1.zip(processor_seconds()).map_or(0.0, |(begun, now)| now - begun);
+        [self.0.elapsed().as_secs_f64(), work]
+    }
 }
 
 /// A map or a scene that can be lit again and again.
 pub trait Bench {
     /// What it is, for people.
     fn title(&self) -> String;
-    /// A hash of all that counts besides the knobs, the version of the program included.
+    /// A hash of all that counts besides the knobs, the build of the program included.
     fn identity(&self) -> u64;
     /// The points, the finest last.
     fn points(&self) -> Vec<Knobs>;
@@ -70,8 +102,17 @@ pub(super) fn fnv(hash: u64, bytes: &[u8]) -> u64 {
     bytes.iter().fold(hash, |h, b| (h ^ u64::from(*b)).wrapping_mul(0x0000_0100_0000_01B3))
 }
 
-/// Where FNV-1a begins.
-pub(super) const FNV_BASIS: u64 = 0xCBF2_9CE4_8422_2325;
+/// A hash of the program that runs: another build may find other light. Of its version where its file
+/// cannot be read.
+pub(super) fn build() -> u64 {
+    /// Where FNV-1a begins.
+    const BASIS: u64 = 0xCBF2_9CE4_8422_2325;
+    let file = std::env::current_exe().and_then(std::fs::read);
+    match file {
+        Ok(program) => fnv(BASIS, blake3::hash(&program).as_bytes()),
+        Err(_) => fnv(BASIS, env!("CARGO_PKG_VERSION").as_bytes()),
+    }
+}
 
 /// Errors of values that count `weight(k)` each.
 pub(super) fn errors(got: &[f32], truth: &[f32], weight: impl Fn(usize) -> f64) -> [f64; 2] {

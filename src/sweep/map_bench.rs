@@ -1,7 +1,8 @@
 //! Maps: direct light once for each number of samples, bounced light at every point.
 
-use super::bench::{Bench, FNV_BASIS, Knobs, Measured, errors, fnv};
+use super::bench::{Bench, Knobs, Measured, Taken, build, errors, fnv};
 use super::truth::MapTruth;
+use crate::aim::{self, Aim, Ladder};
 use crate::bsp::{Bsp, MipTex};
 use crate::lightmap::{Gather, Smoothing, atlas_of_light};
 use crate::map_stages::DirectLit;
@@ -12,7 +13,6 @@ use crate::scene::Sidecar;
 use crate::settings::{Quality, Settings};
 use crate::{Error, Result};
 use std::collections::BTreeMap;
-use std::time::Instant;
 
 /// Points of comparison where there is no truth.
 const POINTS: usize = 4000;
@@ -26,8 +26,8 @@ pub struct MapBench<'a> {
     base: Settings,
     truth: Option<MapTruth>,
     identity: u64,
-    /// Direct light by samples a luxel, and the seconds that it took.
-    direct: BTreeMap<u32, (DirectLit, f64)>,
+    /// Direct light by samples a luxel, and the seconds that it took, also of processors.
+    direct: BTreeMap<u32, (DirectLit, [f64; 2])>,
 }
 
 impl<'a> MapBench<'a> {
@@ -41,7 +41,7 @@ impl<'a> MapBench<'a> {
         truth: Option<MapTruth>,
         bytes: &[&[u8]],
     ) -> Self {
-        let mut identity = fnv(FNV_BASIS, env!("CARGO_PKG_VERSION").as_bytes());
+        let mut identity = build();
         for bytes in bytes {
             identity = fnv(identity, bytes);
             identity = fnv(identity, &bytes.len().to_le_bytes());
@@ -50,6 +50,8 @@ impl<'a> MapBench<'a> {
         identity =
             fnv(identity, format!("{:?}", (&fixed.overrides, fixed.reflectance_scale)).as_bytes());
         identity = fnv(identity, format!("{:?}", (fixed.grey, fixed.compat_bounce)).as_bytes());
+        // What is known of this map itself is no ground for expectations.
+        let base = Settings { ladder: Ladder::without(name), ..base };
         let name = name.to_owned();
         Self { name, bsp, sidecar, textures, base, truth, identity, direct: BTreeMap::new() }
     }
@@ -61,6 +63,7 @@ impl<'a> MapBench<'a> {
         let number = |name: &str| value(name).parse::<f64>().map_err(|_| bad(name));
         let cells = number("hemicube")? as u32;
         Settings {
+            aim: Aim::Settings,
             hemicube: HemicubeSize::new(cells, cells)?,
             patch_size: number("patch")? as u32,
             gather: if value("gather") == "luxel" { Gather::Luxel } else { Gather::Interpolate },
@@ -74,6 +77,12 @@ impl<'a> MapBench<'a> {
         }
         .checked()
     }
+}
+
+/// The point of an error that is asked for.
+pub(super) fn target_knobs(target: f64) -> Knobs {
+    let values = vec![("target", target.to_string())];
+    Knobs { name: String::new(), values, picture: false }
 }
 
 /// The point of some settings.
@@ -104,6 +113,9 @@ impl Bench for MapBench<'_> {
     }
 
     fn points(&self) -> Vec<Knobs> {
+        if let Aim::Error(target) = self.base.aim {
+            return vec![target_knobs(target)];
+        }
         let mut points = Vec::new();
         let mut add = |k: Knobs| {
             if !points.iter().any(|p: &Knobs| p.values == k.values) {
@@ -157,11 +169,14 @@ impl Bench for MapBench<'_> {
     }
 
     fn measure(&mut self, knobs: &Knobs) -> Result<Measured> {
-        let settings = Settings { bounces: None, ..self.settings(knobs)? };
+        let settings = match knobs.get("target") {
+            Some(_) => Settings { check: true, cache: None, ..self.base.clone() },
+            None => Settings { bounces: None, ..self.settings(knobs)? },
+        };
         let extra = settings.smoothing.extra;
         let progress = Progress::new(false);
         if !self.direct.contains_key(&extra) {
-            let start = Instant::now();
+            let start = Taken::now();
             let textures = self.textures.clone();
             let direct = DirectLit::new(
                 &mut self.bsp.clone(),
@@ -170,18 +185,19 @@ impl Bench for MapBench<'_> {
                 &settings,
                 &progress,
             )?;
-            self.direct.insert(extra, (direct, start.elapsed().as_secs_f64()));
+            self.direct.insert(extra, (direct, start.seconds()));
         }
         let (direct, direct_seconds) = self.direct.get_mut(&extra).expect("just put there");
         memory::forget_peak();
-        let start = Instant::now();
+        let start = Taken::now();
         let most = direct.scene.world.bounce.most;
         if let Some(bounces) = knobs.get("bounces").and_then(|b| b.parse().ok()) {
             direct.scene.world.bounce.most = Some(bounces);
         }
-        let light = direct.bounce(&settings, &progress);
+        let (light, chosen) = aim::bounced(direct, &settings, &progress, &mut |_| {});
         direct.scene.world.bounce.most = most;
-        let seconds = start.elapsed().as_secs_f64() + *direct_seconds;
+        let [bounced, work] = start.seconds();
+        let [of_direct, work_of_direct] = *direct_seconds;
         let memory = memory::peak();
         let found = &light.gathered.maps;
         let values = match &self.truth {
@@ -216,7 +232,20 @@ impl Bench for MapBench<'_> {
         let sizes: Vec<[u32; 2]> =
             sizes.map(|g| g.map_or([0; 2], |g| [g.width, g.height])).collect();
         let picture = knobs.picture.then(|| atlas_of_light(found, &sizes));
-        Ok(Measured { seconds, memory, values, picture })
+        let half = aim::half_error(&settings, &light.counts, &progress.stages(), bounced);
+        let half = half.filter(|_| !knobs.name.is_empty()).map(|(of_bounced, rung)| {
+            (of_bounced + of_direct, self::knobs("", &rung.settings(&settings)).text())
+        });
+        Ok(Measured {
+            seconds: bounced + of_direct,
+            processor: work + work_of_direct,
+            memory,
+            values,
+            picture,
+            luxels: light.counts.hemicubes[1] as f64 / light.counts.luxels.max(1) as f64,
+            expected: chosen.predicted.map(|p| [p.seconds + of_direct, p.error]),
+            half,
+        })
     }
 
     fn errors(&self, got: &[f32], truth: &[f32]) -> [f64; 2] {

@@ -29,7 +29,8 @@ pub struct Swept {
 }
 
 /// Measures what `folder` lacks of the points of `bench` and writes the table, the plots and the page.
-/// The table is renewed after each point: an interrupted sweep goes on where it was.
+/// The table is renewed after each point: an interrupted sweep goes on where it was. Points of other
+/// builds of the program, and of other files, are forgotten.
 ///
 /// # Errors
 /// When a file cannot be read or written, or the map cannot be lit.
@@ -40,6 +41,8 @@ pub fn sweep(folder: &Path, bench: &mut dyn Bench, progress: &Progress) -> Resul
     let identity = bench.identity();
     let key = |knobs: &Knobs| knobs.key(identity);
     let all = bench.points();
+    // What other builds found says nothing of this one.
+    table.retain(&all.iter().map(key).collect::<Vec<_>>());
     let pictures = folder.join("lightmaps");
     let reference = Reference { path: folder.join("finest.f32") };
     let mut truth = bench.truth();

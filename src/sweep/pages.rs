@@ -12,6 +12,15 @@ use std::path::Path;
 /// Points whose memory or seconds are 0 are not known.
 type Cost = fn(&Row) -> f64;
 
+/// Seconds: those of processors if all rows tell them, since other programs do not change these much.
+fn time(rows: &[(Knobs, Row)]) -> (&'static str, Cost) {
+    if rows.iter().all(|r| r.1.work().is_some()) {
+        ("processor seconds", |r| r.processor)
+    } else {
+        ("seconds", |r| r.seconds)
+    }
+}
+
 /// A chart of error against a cost, with the front and the presets.
 fn chart(title: &str, rows: &[(Knobs, Row)], axis: &str, cost: Cost) -> Chart {
     let points: Vec<(f64, f64)> = rows.iter().map(|r| (cost(&r.1), 100.0 * r.1.error)).collect();
@@ -41,6 +50,7 @@ fn chart(title: &str, rows: &[(Knobs, Row)], axis: &str, cost: Cost) -> Chart {
 
 /// Each setting alone, around the preset `normal`: name, values, and exponent of error against seconds.
 pub(super) fn exponents(rows: &[(Knobs, Row)]) -> Vec<(String, Vec<String>, Option<f64>)> {
+    let (_, time) = time(rows);
     let Some((normal, _)) = rows.iter().find(|r| r.0.name == "normal") else { return Vec::new() };
     let mut found = Vec::new();
     for (place, (name, _)) in normal.values.iter().enumerate() {
@@ -54,9 +64,9 @@ pub(super) fn exponents(rows: &[(Knobs, Row)]) -> Vec<(String, Vec<String>, Opti
         }
         let of = |r: &&(Knobs, Row)| {
             let (value, row) = (&r.0.values[place].1, &r.1);
-            format!("{value}: {:.2} % in {:.2} s", 100.0 * row.error, row.seconds)
+            format!("{value}: {:.2} % in {:.2} s", 100.0 * row.error, time(row))
         };
-        let points: Vec<(f64, f64)> = line.iter().map(|r| (r.1.seconds, r.1.error)).collect();
+        let points: Vec<(f64, f64)> = line.iter().map(|r| (time(&r.1), r.1.error)).collect();
         found.push(((*name).to_owned(), line.iter().map(of).collect(), exponent(&points)));
     }
     found
@@ -65,18 +75,19 @@ pub(super) fn exponents(rows: &[(Knobs, Row)]) -> Vec<(String, Vec<String>, Opti
 /// What is left of the error of the finest settings, if errors are against these: the line through the
 /// front, in logarithms, prolonged to their time.
 fn left_at_finest(rows: &[(Knobs, Row)]) -> Option<f64> {
-    let (_, finest) = rows.last()?;
+    let (_, time) = time(rows);
+    let finest = time(&rows.last()?.1);
     let points: Vec<(f64, f64)> = rows
         .iter()
-        .filter(|r| r.1.error > 0.0 && r.1.seconds < finest.seconds)
-        .map(|r| (r.1.seconds, r.1.error))
+        .filter(|r| r.1.error > 0.0 && time(&r.1) < finest)
+        .map(|r| (time(&r.1), r.1.error))
         .collect();
     let front: Vec<(f64, f64)> = pareto(&points).into_iter().map(|i| points[i]).collect();
     let p = exponent(&front)?;
     let mean = |f: fn(&(f64, f64)) -> f64| {
         (front.iter().map(|v| f(v).ln()).sum::<f64>() / front.len() as f64).exp()
     };
-    Some(mean(|v| v.1) * (finest.seconds / mean(|v| v.0)).powf(-p))
+    Some(mean(|v| v.1) * (finest / mean(|v| v.0)).powf(-p))
 }
 
 /// Writes `error-seconds` and `error-memory` as SVG and PNG, and `sweep.html`.
@@ -89,11 +100,9 @@ pub(super) fn write(
     rows: &[(Knobs, Row)],
     pictures: &BTreeMap<String, RgbImage>,
 ) -> Result<()> {
+    let (seconds_name, time) = time(rows);
     let charts = [
-        (
-            "error-seconds",
-            chart(&format!("{title}: error and time"), rows, "seconds", |r| r.seconds),
-        ),
+        ("error-seconds", chart(&format!("{title}: error and time"), rows, seconds_name, time)),
         ("error-memory", chart(&format!("{title}: error and memory"), rows, "MiB", |r| r.memory)),
     ];
     let mut page = Page::new(&format!("{title}: what accuracy costs"));
@@ -125,7 +134,7 @@ pub(super) fn write(
         .collect();
     page.table(&["setting", "exponent", "half the error: times", "points"], &lines, &[]);
     page.heading("All points");
-    let seconds: Vec<(f64, f64)> = rows.iter().map(|r| (r.1.seconds, r.1.error)).collect();
+    let seconds: Vec<(f64, f64)> = rows.iter().map(|r| (time(&r.1), r.1.error)).collect();
     let mut order: Vec<usize> = (0..rows.len()).collect();
     order.sort_by(|&a, &b| seconds[a].0.total_cmp(&seconds[b].0));
     let front = pareto(&seconds);
@@ -133,7 +142,11 @@ pub(super) fn write(
     let marked: Vec<usize> = (0..order.len()).filter(|&i| on_front(i)).collect();
     let cells: Vec<Vec<String>> = order.iter().map(|&i| line(&rows[i].1)).collect();
     page.text("Those on the front are marked.");
-    page.table(&["settings", "preset", "seconds", "MiB", "rms", "largest"], &cells, &marked);
+    page.table(
+        &["settings", "preset", "seconds", "of processors", "MiB", "rms", "largest"],
+        &cells,
+        &marked,
+    );
     if pictures.len() > 1 {
         page.heading("Bounced light");
         let shown = ["draft", "normal", "final"].iter();
@@ -149,6 +162,7 @@ fn line(row: &Row) -> Vec<String> {
         row.settings.clone(),
         row.preset.clone(),
         format!("{:.2}", row.seconds),
+        format!("{:.2}", row.processor),
         memory,
         format!("{:.3} %", 100.0 * row.error),
         format!("{:.1} %", 100.0 * row.worst),

@@ -1,21 +1,23 @@
 //! Text scenes: hemicubes, closed forms and passes.
 
-use super::bench::{Bench, FNV_BASIS, Knobs, Measured, errors, fnv};
-use super::map_bench::QUALITIES;
+use super::bench::{Bench, Knobs, Measured, Taken, build, errors, fnv};
+use super::map_bench::{QUALITIES, target_knobs};
 use super::truth::TextTruth;
+use crate::aim::{TextLadder, estimate_text, half_error_text};
 use crate::memory;
 use crate::patch::{TextPatches, TextScene};
 use crate::progress::Progress;
 use crate::radiosity::near_pairs::NearLimits;
 use crate::settings::Quality;
 use crate::{Error, Result, light_patches_with};
-use std::time::Instant;
 
 /// A scene and what is known of its light.
 pub struct TextBench {
     name: String,
     scene: TextScene,
     truth: Option<TextTruth>,
+    /// The error that is asked for; all points if none is.
+    target: Option<f64>,
     identity: u64,
     areas: Vec<f64>,
 }
@@ -29,6 +31,7 @@ impl TextBench {
         name: &str,
         scene: TextScene,
         truth: Option<TextTruth>,
+        target: Option<f64>,
         bytes: &[&[u8]],
     ) -> Result<Self> {
         if let Some(truth) = truth.as_ref().filter(|t| t.reflected.len() != scene.patches.len()) {
@@ -36,13 +39,13 @@ impl TextBench {
             let problem = format!("it knows {known} patches, the scene has {there}");
             return Err(Error::format("truth", problem));
         }
-        let mut identity = fnv(FNV_BASIS, env!("CARGO_PKG_VERSION").as_bytes());
+        let mut identity = build();
         for bytes in bytes {
             identity = fnv(fnv(identity, bytes), &bytes.len().to_le_bytes());
         }
         let areas =
             TextPatches::new(&scene).set.patches.iter().map(|p| f64::from(p.area)).collect();
-        Ok(Self { name: name.to_owned(), scene, truth, identity, areas })
+        Ok(Self { name: name.to_owned(), scene, truth, target, identity, areas })
     }
 }
 
@@ -70,6 +73,9 @@ impl Bench for TextBench {
     }
 
     fn points(&self) -> Vec<Knobs> {
+        if let Some(target) = self.target {
+            return vec![target_knobs(target)];
+        }
         let own = self.scene.hemicube[0];
         let mut points = Vec::new();
         let mut add = |k: Knobs| {
@@ -111,28 +117,44 @@ impl Bench for TextBench {
     fn measure(&mut self, knobs: &Knobs) -> Result<Measured> {
         let number = |name: &str| knobs.get(name).and_then(|v| v.parse::<f64>().ok());
         let mut scene = self.scene.clone();
+        let mut expected = None;
         if let Some(cells) = number("hemicube") {
             scene.hemicube = [cells as u32; 2];
         }
         if let Some(passes) = number("passes") {
             scene.passes = passes as u32;
         }
-        let near = number("near").map(|row| {
+        let mut near = number("near").map(|row| {
             let whole = |name| number(name).unwrap_or(1.0) as u32;
             let (rays, points, crowded) = (whole("rays"), whole("points"), whole("crowded"));
             NearLimits { row, rays, points, crowded }
         });
         memory::forget_peak();
-        let start = Instant::now();
-        let (_, solution) = light_patches_with(&scene, near, &Progress::new(false))?;
-        let seconds = start.elapsed().as_secs_f64();
+        let start = Taken::now();
+        if let Some(target) = number("target") {
+            let quality = TextLadder::without(&self.name).quality(target);
+            near = Some(quality.near());
+            let predicted =
+                estimate_text(&scene, &TextLadder::without(&self.name), |q| q == quality)?;
+            let [pilot, _] = start.seconds();
+            expected = predicted.first().map(|p| [pilot + p.seconds, p.error]);
+        }
+        let progress = Progress::new(false);
+        let (_, solution) = light_patches_with(&scene, near, &progress)?;
+        let [seconds, processor] = start.seconds();
         let memory = memory::peak();
         let pairs = solution.exitance.iter().zip(&self.scene.patches);
         let reflected = pairs.flat_map(|(m, quad)| {
             let own = quad.exitance.map(|e| e as f32);
             [m.0.x - own[0], m.0.y - own[1], m.0.z - own[2]]
         });
-        Ok(Measured { seconds, memory, values: reflected.collect(), picture: None })
+        let quality = QUALITIES.into_iter().find(|q| q.0 == knobs.name).map(|q| q.1);
+        let half = half_error_text(quality, &progress.stages(), seconds);
+        let half = half.filter(|_| !knobs.name.is_empty()).map(|(seconds, next)| {
+            (seconds, self::knobs("", self.scene.hemicube[0], Some(next.near()), None).text())
+        });
+        let values = reflected.collect();
+        Ok(Measured { seconds, processor, memory, values, expected, half, ..Measured::default() })
     }
 
     fn errors(&self, got: &[f32], truth: &[f32]) -> [f64; 2] {
