@@ -12,9 +12,9 @@ use std::f64::consts::TAU;
 /// Most samples of a tile whose rays are looked at together.
 const MOST_AT_ONCE: usize = 256;
 /// Dirt that varies less between the corners of a cell counts as linear there, of all that can be.
-const STEADY: f32 = 0.03;
+const STEADY: f32 = 0.015;
 /// The same where a cell's middle is known too, of how far that is from linear.
-const LINEAR: f32 = 0.04;
+const LINEAR: f32 = 0.015;
 /// Azimuths of the fixed directions.
 const AZIMUTHS: u32 = 16;
 /// Elevations of the fixed directions at each azimuth.
