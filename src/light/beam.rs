@@ -28,9 +28,10 @@ impl Beam<'_, '_> {
     pub fn reaches(&self, sphere: &BoundingSphere) -> bool {
         let (light, surface) = (&self.scene.lights[self.light], self.surface);
         let behind = distance(light.origin, surface.normal, surface.dist) < 0.0;
-        !(behind && !light.bleed && !surface.two_sided && !surface.curved
-            || sphere.is_out_of_reach(light, self.scene.world.dist, self.scene.world.gate)
-            || light.channel_mask & surface.channel_mask == 0)
+        let hidden = behind && !light.bleed && !surface.two_sided && !surface.curved;
+        !hidden
+            && !sphere.is_out_of_reach(light, self.scene.world.dist, self.scene.world.gate)
+            && light.channel_mask & surface.channel_mask != 0
     }
 
     /// Whether all of a tile is surely in the dark. Only light of channel 1 is held back by the world.
