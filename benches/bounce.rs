@@ -68,12 +68,93 @@ mod transfers {
 
 mod solve {
     use super::*;
+    use qrad::patch::{Quad, TextPatches, TextScene};
+    use qrad::photometry::Reflectance;
+    use qrad::radiosity::channels::Channels;
+    use qrad::radiosity::hemicube::HemicubeSize;
+    use qrad::radiosity::solve::{Limits, Solution, Sources, Surfaces, solve_styles};
+    use qrad::radiosity::transfers::Transfers;
+    use std::time::Instant;
+
+    /// Each pass takes as long as another.
+    const PASSES: u32 = 4;
+    /// Pairs of runs whose times are compared.
+    const PAIRS: usize = 7;
 
     #[divan::bench(args = maps(), sample_count = FEW)]
     fn until_settled(bencher: Bencher<'_, '_>, name: &str) {
         let map = prepared(name);
         let direct = map.direct();
         bencher.bench_local(|| map.bounce(&direct).bounces);
+    }
+
+    /// A box without colour, ready to be solved.
+    struct GreyBox {
+        patches: TextPatches,
+        reflectance: Vec<Reflectance>,
+        transfers: Transfers,
+    }
+
+    impl GreyBox {
+        fn new() -> Self {
+            let root = PathBuf::from(env!("CARGO_MANIFEST_DIR"));
+            let shared =
+                std::env::var_os("QRAD_SHARED").map_or_else(|| root.join("../shared"), Into::into);
+            let large = shared.join("scenes/cornell_8000.txt");
+            let own = maps_dir().join("cornell/cornell_fine.txt");
+            let text = std::fs::read_to_string(&large).or_else(|_| std::fs::read_to_string(own));
+            let mut scene = TextScene::parse(&text.unwrap(), "scene").unwrap();
+            let grey = |c: &mut [f64; 3]| *c = [c.iter().sum::<f64>() / 3.0; 3];
+            for Quad { exitance, reflectance, .. } in &mut scene.patches {
+                grey(exitance);
+                grey(reflectance);
+            }
+            let size = HemicubeSize::new(scene.hemicube[0], scene.hemicube[1]).unwrap();
+            let patches = TextPatches::new(&scene);
+            let transfers = Transfers::compute(&patches.tracer, &patches.set, size, |_| {});
+            println!("  {} patches, {} form factors", transfers.rows(), transfers.len());
+            Self { reflectance: patches.reflectance(), patches, transfers }
+        }
+
+        /// The same light in so many styles.
+        fn solve(&self, channels: Channels, styles: usize) -> Vec<Solution> {
+            let Self { patches, reflectance, transfers } = self;
+            let surfaces = Surfaces { transfers, reflectance, passages: &[] };
+            let sources = vec![Sources { emission: &patches.emission, direct: &[] }; styles];
+            let limits = Limits { passes: Some(PASSES), residual: 1e-9 };
+            solve_styles(surfaces, &sources, limits, channels)
+        }
+    }
+
+    /// Median of how many times longer `slow` takes than `fast`, in turns.
+    fn ratio(fast: impl Fn(), slow: impl Fn()) -> f64 {
+        let time = |run: &dyn Fn()| {
+            let start = Instant::now();
+            run();
+            start.elapsed().as_secs_f64()
+        };
+        let mut ratios: Vec<f64> = (0..PAIRS).map(|_| time(&slow) / time(&fast)).collect();
+        ratios.sort_by(f64::total_cmp);
+        ratios[PAIRS / 2]
+    }
+
+    #[divan::bench(sample_count = 1, sample_size = 1)]
+    fn three_channels_over_one() {
+        let grey = GreyBox::new();
+        let run = |channels| drop(divan::black_box(grey.solve(channels, 1)));
+        let ratio = ratio(|| run(Channels::One), || run(Channels::Three));
+        println!("  three channels take {ratio:.2} times as long as one");
+    }
+
+    #[divan::bench(sample_count = 1, sample_size = 1)]
+    fn four_styles_one_by_one_over_together() {
+        let grey = GreyBox::new();
+        for channels in [Channels::One, Channels::Three] {
+            let each = || (0..4).for_each(|_| drop(divan::black_box(grey.solve(channels, 1))));
+            let together = || drop(divan::black_box(grey.solve(channels, 4)));
+            let ratio = ratio(together, each);
+            println!("  {channels:?}: one by one takes {ratio:.2} times as long as together");
+        }
     }
 }
 

@@ -31,6 +31,7 @@ pub mod settings;
 mod stage;
 mod store;
 pub mod sweep;
+pub mod text_plan;
 
 pub use error::{Error, Result};
 pub use scene::effects::plan;

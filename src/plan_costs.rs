@@ -11,8 +11,19 @@ use crate::settings::Settings;
 use crate::{Result, stage};
 use std::time::Duration;
 
-/// Bytes of a stored form factor, about.
-const FACTOR_BYTES: f64 = 8.0;
+/// Bytes of a stored form factor and its share of a run of columns, about.
+const FACTOR_BYTES: f64 = 5.0;
+
+/// Bytes that so many form factors take, about.
+pub(crate) fn factor_bytes(count: usize) -> u64 {
+    (count as f64 * FACTOR_BYTES) as u64
+}
+
+/// Seconds of the stages of these names.
+pub(crate) fn seconds_of(stages: &[(&'static str, Duration)], names: &[&str]) -> f64 {
+    let of = stages.iter().filter(|(name, _)| names.contains(name));
+    of.map(|(_, time)| time.as_secs_f64()).sum()
+}
 
 /// The plan of a run with what each effect is expected to take. Rays are as many as samples of faces
 /// traced, in proportion; seconds are shared out among effects by their rays.
@@ -61,15 +72,12 @@ pub fn measured(
     stages: &[(&'static str, Duration)],
     settings: &Settings,
 ) {
-    let seconds = |names: &[&str]| -> f64 {
-        let of = stages.iter().filter(|(name, _)| names.contains(name));
-        of.map(|(_, time)| time.as_secs_f64()).sum()
-    };
+    let seconds = |names: &[&str]| seconds_of(stages, names);
     let cells = settings.hemicube.cells() as u64;
     let mut bounced = [
         Cost {
             cells: counts.hemicubes[0] * cells,
-            bytes: (counts.transfers as f64 * FACTOR_BYTES) as u64,
+            bytes: factor_bytes(counts.transfers),
             seconds: seconds(&["patches", "form factors", "bounces"]),
             rays: 0,
         },

@@ -5,6 +5,7 @@ use crate::light::{DirectLight, RayCounts};
 use crate::memory;
 use crate::patch::MapPatches;
 use crate::radiosity::bounce::Bounced;
+use crate::radiosity::channels::Channels;
 use crate::radiosity::transfers::Transfers;
 use crate::scene::{LuxelGrid, Scene};
 use crate::stage::Gathered;
@@ -33,6 +34,8 @@ pub struct Counts {
     pub transfers: usize,
     /// Most bounces in any style.
     pub bounces: u32,
+    /// Channels of light that bounced; `None` without bounces.
+    pub channels: Option<Channels>,
     /// Largest share of light left unsent in any style.
     pub residual: f64,
 }
@@ -65,6 +68,7 @@ impl Counts {
             hemicubes: [transfers.drawn(), gathered.hemicubes],
             transfers: transfers.len(),
             bounces: bounced.bounces,
+            channels: bounced.channels,
             residual: bounced.residual,
         }
     }
@@ -82,6 +86,7 @@ impl Counts {
         report.count("luxel hemicubes", self.hemicubes[1]);
         report.count("transfers", self.transfers as u64);
         report.row("bounces", self.bounces);
+        report.count("channels", self.channels.map_or(0, Channels::count));
         report.row("residual", format!("{:.1e}", self.residual));
     }
 }

@@ -7,7 +7,8 @@ use qrad::progress::Progress;
 use qrad::radiosity::near_pairs::NearLimits;
 use qrad::report::Report;
 use qrad::run_report::{self, RunReport};
-use qrad::{aim, check, light_patches_with, output, sweep};
+use qrad::scene::effects::Effect;
+use qrad::{aim, check, light_patches_with, output, sweep, text_plan};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
@@ -18,7 +19,7 @@ pub fn run(cli: &Cli, path: &Path, visible: bool, writing: &Mutex<()>) -> anyhow
     let start = Instant::now();
     let bytes = std::fs::read(path).with_context(|| format!("cannot read {}", path.display()))?;
     let name = path.display().to_string();
-    let scene = TextScene::parse(decode(&bytes, &name)?, &name)?;
+    let mut scene = TextScene::parse(decode(&bytes, &name)?, &name)?;
     if let Some(folder) = &cli.accuracy.sweep {
         let file = crate::map_job::read_optional(cli.accuracy.truth.as_deref())?;
         let truth = match &cli.accuracy.truth {
@@ -31,6 +32,15 @@ pub fn run(cli: &Cli, path: &Path, visible: bool, writing: &Mutex<()>) -> anyhow
         let name = path.file_stem().unwrap_or_default().to_string_lossy();
         let mut bench = sweep::TextBench::new(&name, scene, truth, &[&bytes, &file])?;
         return crate::sweep_job::run(folder, &mut bench, cli.quiet, visible);
+    }
+    let switches = cli.effects.switches()?;
+    text_plan::apply(&switches, &mut scene);
+    if cli.effects.explain {
+        let near = cli.near().is_some() && !switches.off(Effect::NearField);
+        let mut plan = text_plan::plan(&scene, near, &switches);
+        text_plan::predict(&mut plan, &scene, cli.quality)?;
+        print!("{plan}");
+        return Ok(());
     }
     if cli.accuracy.estimate {
         print!("{}", crate::estimate_table::of_text(&aim::estimate_text(&scene, |_| true)?));
@@ -49,6 +59,7 @@ pub fn run(cli: &Cli, path: &Path, visible: bool, writing: &Mutex<()>) -> anyhow
     }
     let progress = Progress::new(visible);
     let (near, choices) = chosen(cli, &scene)?;
+    let near = near.filter(|_| !switches.off(Effect::NearField));
     choices.iter().for_each(|sentence| progress.say(sentence));
     let (transfers, solution) = light_patches_with(&scene, near, &progress)?;
     let checked = if cli.accuracy.no_check {
@@ -74,6 +85,7 @@ pub fn run(cli: &Cli, path: &Path, visible: bool, writing: &Mutex<()>) -> anyhow
     report.count("patches", scene.patches.len() as u64);
     report.count("transfers", transfers.len() as u64);
     report.row("passes", format!("{} of at most {}", solution.passes, scene.passes));
+    report.count("channels", solution.channels.count());
     report.row("residual", format!("{:.1e}", solution.residual));
     report.row("ended", if solution.settled { "nothing left to send" } else { "passes used up" });
     report.accuracy(&checked);
@@ -87,6 +99,9 @@ pub fn run(cli: &Cli, path: &Path, visible: bool, writing: &Mutex<()>) -> anyhow
     if let Some(file) = &cli.accuracy.report {
         let mut all = RunReport::new(path, &report, &stages, start.elapsed(), checked);
         let [width, height] = scene.hemicube;
+        let mut plan = text_plan::plan(&scene, near.is_some(), &switches);
+        text_plan::measure(&mut plan, &scene, (&transfers, &solution), &stages);
+        all.plan = plan.to_string();
         let near = near.map_or("off".to_owned(), |n| format!("{n:?}"));
         all.settings = vec![
             ("hemicube".into(), format!("{width} x {height}")),

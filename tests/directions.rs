@@ -4,9 +4,14 @@
 mod support;
 
 use glam::Vec3;
-use qrad::bsp::{Bsp, read_hdr_lit, read_lit};
+use qrad::bsp::{Bsp, Format, read_hdr_lit, read_lit};
+use qrad::light::{DirectLight, Directions};
+use qrad::lightmap::{Gather, Sources, add_bounced_directions};
+use qrad::scene::material_file::MaterialFile;
 use qrad::scene::{Sample, Scene, SceneSettings, Sidecar, luxels};
+use qrad::settings::Settings;
 use std::path::Path;
+use support::lit_map::Prepared;
 use support::lit_room::entity;
 use support::map_builder::MapBuilder;
 use support::program::{fail, qrad, run};
@@ -383,4 +388,51 @@ fn lit_files_of_version_2_cannot_describe_everything() {
     for other in [&["--hdr"][..], &["--litonly"], &["--world-units-per-luxel", "8"]] {
         qrad().arg::<&Path>(&path).arg("--lit2").args(other).assert().code(2);
     }
+}
+
+/// Unit direction of the bounced light on the floor of a room, left of a pane across its middle that lets
+/// a share of light pass; the brighter lamp is right of it.
+fn past_pane(share: f32) -> Vec<Vec3> {
+    let lamp =
+        |x: &str, level| entity("light", &[("origin", &format!("{x} 10 70")), ("light", level)]);
+    let lamps = lamp("90", "300") + &lamp("-90", "200");
+    let pane = entity("func_wall", &[("model", "*1"), ("_shadow", "1")]);
+    let bsp = MapBuilder::room([-128.0, -64.0, 0.0], [128.0, 64.0, 128.0])
+        .solid_texture("wall", MIDDLE)
+        .solid_texture("glass", MIDDLE)
+        .model([0.0, -64.0, 0.0], [4.0, 64.0, 128.0], Some(1))
+        .entities(entity("worldspawn", &[]) + &lamps + &pane)
+        .build(Format::Bsp29);
+    let text = format!("[[material]]\ntexture = \"glass\"\ntransmission = {share}\n");
+    let file = MaterialFile::parse(&text, "m").unwrap();
+    let sidecar = Sidecar { materials: Some(&file), ..Sidecar::default() };
+    let map = Prepared::with(&bsp, Settings::default(), false, sidecar);
+    let lit = map.light(Gather::Interpolate);
+    let Prepared { scene, samples, patches, transfers, .. } = &map;
+    let sources = Sources { scene, patches, transfers, light: &lit.bounced.styles };
+    let wanted = DirectLight { directions: Directions::wanted(), ..DirectLight::default() };
+    let mut found = vec![wanted; samples.len()];
+    add_bounced_directions(sources, samples, &lit.indirect, 1, &mut found);
+    let mut directions = Vec::new();
+    for (face, samples) in samples.iter().enumerate() {
+        for (i, s) in samples.iter().enumerate().filter(|(_, s)| !s.occluded) {
+            if s.normal.z > 0.9 && s.position.z < 2.0 && s.position.x < -8.0 {
+                let style = found[face].directions.styles().iter().find(|d| d.style == 0);
+                directions.push(style.unwrap().vectors[i].normalize());
+            }
+        }
+    }
+    directions
+}
+
+#[test]
+fn bounced_light_comes_from_behind_panes_as_far_as_they_let_it() {
+    let [none, half, all] = [0.0, 0.5, 1.0].map(past_pane);
+    let mean = |d: &[Vec3]| d.iter().map(|d| d.x).sum::<f32>() / d.len() as f32;
+    println!("towards the pane: {:.3} {:.3} {:.3}", mean(&none), mean(&half), mean(&all));
+    assert!(none.len() > 40 && none.len() == all.len());
+    // What no light passes is dark: beside it, all light comes from the other end.
+    let far_side = |d: &[Vec3]| d.iter().map(|d| d.x).fold(-1.0, f32::max);
+    assert!(mean(&none) < mean(&half) - 0.1 && mean(&half) < mean(&all) - 0.05);
+    assert!(far_side(&none) < far_side(&all) - 0.1);
 }

@@ -7,7 +7,7 @@ use clap::Args;
 /// Which effects are simulated, and why.
 #[derive(Clone, Debug, Default, Args)]
 pub struct EffectArgs {
-    /// Print which effects of light the map calls for, why, and what they are expected to take; light
+    /// Print which effects of light the map or scene calls for, why, and what they are expected to take; light
     /// nothing
     #[arg(long, help_heading = "Effects", conflicts_with_all = ["output", "quiet"])]
     pub explain: bool,

@@ -82,11 +82,25 @@ fn mean_directions(sources: Sources<'_>, exitance: &[Exitance]) -> Vec<Vec3> {
                 return Vec3::ZERO;
             }
             let (mut vector, mut sum) = (Vec3::ZERO, 0.0);
-            for (j, f) in sources.transfers.entries(i) {
-                let arriving = f * strengths[j as usize];
+            let mut add = |j: u32, arriving: f32| {
                 let way = way_to(&patches[i], &patches[j as usize]);
                 vector += way.normalize_or_zero() * arriving;
                 sum += arriving;
+            };
+            let entries = sources.transfers.entries(i);
+            match sources.transfers.overlay_row(i) {
+                [] => entries.for_each(|(j, f)| add(j, f * strengths[j as usize])),
+                overlay => {
+                    // What panes leave of a factor belongs to the same patch.
+                    let mut row: Vec<(u32, Vec3)> =
+                        entries.map(|(j, f)| (j, Vec3::splat(f))).chain(overlay.to_vec()).collect();
+                    row.sort_by_key(|&(j, _)| j);
+                    for of_patch in row.chunk_by(|a, b| a.0 == b.0) {
+                        let share: Vec3 = of_patch.iter().map(|&(_, f)| f).sum();
+                        let j = of_patch[0].0;
+                        add(j, strength(exitance[j as usize].0 * share));
+                    }
+                }
             }
             if sum > 0.0 { vector / sum } else { Vec3::ZERO }
         })

@@ -10,11 +10,15 @@ use crate::radiosity::transfers::{Gatherer, Transfers};
 use crate::scene::{Barriers, Sample, Scene};
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
+use std::collections::BTreeMap;
 
 /// Width of a luxel in world units, unless the map asks for another.
 const LUXEL: f32 = 16.0;
 /// Distance of those luxels from which others are interpolated.
 const EVERY_OTHER: f32 = 2.0 * LUXEL;
+
+/// Luxels along the edge of those that are interpolated together.
+const TILE: usize = 4;
 
 /// How indirect light gets from patches to luxels.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -70,6 +74,7 @@ pub fn indirect(
         .zip(&sources.scene.surfaces)
         .map(|(samples, surface)| Face {
             samples: if surface.light_ignore { &[] } else { samples },
+            width: surface.luxels.as_ref().map_or(1, |grid| grid.width.max(1) as usize),
             normal: surface.normal,
             light: vec![None; samples.len()],
         })
@@ -127,6 +132,8 @@ fn add_passing(sources: Sources<'_>, faces: &mut [Face<'_>]) {
 /// The luxels of a face while they are being filled.
 struct Face<'a> {
     samples: &'a [Sample],
+    /// Luxels in a row, at least 1.
+    width: usize,
     normal: Vec3,
     /// Irradiance in every style, where it is known by now.
     light: Vec<Option<Vec<DVec3>>>,
@@ -143,6 +150,15 @@ impl Face<'_> {
     fn missing(&self) -> impl Iterator<Item = usize> + '_ {
         let free = self.samples.iter().enumerate().filter(|(_, s)| !s.occluded);
         free.map(|(i, _)| i).filter(|&i| self.light[i].is_none())
+    }
+
+    /// Luxels by tiles of neighbours.
+    fn tiles(&self, luxels: Vec<usize>) -> Vec<Vec<usize>> {
+        let mut tiles = BTreeMap::<_, Vec<usize>>::new();
+        for i in luxels {
+            tiles.entry([i / self.width / TILE, i % self.width / TILE]).or_default().push(i);
+        }
+        tiles.into_values().collect()
     }
 
     fn maps(&self, light: &[PatchLight]) -> Vec<StyleLight> {
@@ -184,10 +200,10 @@ fn interpolate(sources: Sources<'_>, known: &Interpolator, faces: &mut [Face<'_>
                 return;
             }
             let candidates = known.candidates(face.samples);
-            for i in missing {
-                let mut light = Vec::new();
-                if known.at(barriers, &face.sample(i), &candidates, &mut light) {
-                    face.light[i] = Some(light);
+            for tile in face.tiles(missing) {
+                let samples: Vec<Sample> = tile.iter().map(|&i| face.sample(i)).collect();
+                for (i, light) in tile.into_iter().zip(known.at(barriers, &samples, &candidates)) {
+                    face.light[i] = light;
                 }
             }
         },

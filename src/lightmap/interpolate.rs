@@ -7,7 +7,7 @@
 //! world and not on its face, so coplanar and smoothly touching faces meet without a seam.
 
 use super::overlooked::overlooked;
-use crate::scene::{Barriers, Sample};
+use crate::scene::{Barriers, Bounds, Sample};
 use glam::{DMat3, DVec3, Vec3};
 use std::collections::HashMap;
 
@@ -102,27 +102,70 @@ impl Interpolator {
         found
     }
 
-    /// Irradiance at `sample` in each style; false if the points around that can be seen from it do
-    /// not tell it well enough or do not agree.
+    /// Irradiance at each of the `samples`, which are close together, in each style; `None` where the
+    /// points around that can be seen from it do not tell it well enough or do not agree.
     pub fn at(
         &self,
         barriers: &mut Barriers<'_>,
-        sample: &Sample,
+        samples: &[Sample],
         candidates: &[u32],
-        out: &mut Vec<DVec3>,
-    ) -> bool {
+    ) -> Vec<Option<Vec<DVec3>>> {
+        let candidates = self.near(samples, candidates);
+        let mut around: Vec<Vec<Neighbour>> =
+            samples.iter().map(|sample| self.around(sample, &candidates)).collect();
+        let position = |n: &Neighbour| self.known[n.point as usize].position;
+        let from = Bounds::around(samples.iter().map(|s| s.position));
+        let to = Bounds::around(around.iter().flatten().map(position));
+        let rays = around.iter().map(Vec::len).sum();
+        if let (Some(from), Some(to)) = (from, to) {
+            barriers.within(&from, &to, rays);
+        }
+        for (sample, around) in samples.iter().zip(&mut around) {
+            around.retain(|n| !barriers.blocked(sample.position, position(n)));
+        }
+        barriers.anywhere();
+        samples.iter().zip(&around).map(|(s, around)| self.fit(barriers, s, around)).collect()
+    }
+
+    /// Those of the candidates that may matter to these samples.
+    fn near(&self, samples: &[Sample], candidates: &[u32]) -> Vec<u32> {
+        let Some(first) = samples.first() else { return Vec::new() };
+        let far = |s: &Sample| first.position.distance(s.position);
+        let radius = samples.iter().map(far).fold(0.0, f32::max) + 1.0;
+        let flat = samples.iter().all(|s| s.normal == first.normal);
+        let matters = |i: &u32| {
+            let point = &self.known[*i as usize];
+            let reach = point.reach + radius;
+            point.position.distance_squared(first.position) < reach * reach
+                && !(flat && bend(point, first.normal) >= 1.0)
+        };
+        candidates.iter().copied().filter(matters).collect()
+    }
+
+    /// The points that count at a sample if they can be seen from it.
+    fn around(&self, sample: &Sample, candidates: &[u32]) -> Vec<Neighbour> {
+        let neighbour = |&point: &u32| {
+            let known = &self.known[point as usize];
+            let offset = known.position - sample.position;
+            let weight = weight(known, sample.normal, offset);
+            (weight > 0.0).then_some(Neighbour { point, offset, weight })
+        };
+        candidates.iter().filter_map(neighbour).collect()
+    }
+
+    /// What these points tell of the irradiance at `sample`.
+    fn fit(
+        &self,
+        barriers: &mut Barriers<'_>,
+        sample: &Sample,
+        around: &[Neighbour],
+    ) -> Option<Vec<DVec3>> {
         let (tangent, bitangent) = sample.normal.any_orthonormal_pair();
         let mut moments = DMat3::ZERO;
-        let mut used: Vec<(u32, DVec3)> = Vec::new();
+        let mut used: Vec<(u32, DVec3)> = Vec::with_capacity(around.len());
         let (mut rhs, mut squares) = (DVec3::ZERO, 0.0);
         let (mut centre, mut nearness) = (DVec3::ZERO, 0.0);
-        for &i in candidates {
-            let point = &self.known[i as usize];
-            let offset = point.position - sample.position;
-            let weight = weight(point, sample.normal, offset);
-            if weight <= 0.0 || barriers.blocked(sample.position, point.position) {
-                continue;
-            }
+        for &Neighbour { point: i, offset, weight } in around {
             let along = |axis: Vec3| f64::from(offset.dot(axis) / REACH[1]);
             let basis = DVec3::new(1.0, along(tangent), along(bitangent));
             moments += DMat3::from_cols(basis * basis.x, basis * basis.y, basis * basis.z) * weight;
@@ -131,10 +174,10 @@ impl Interpolator {
             rhs += basis * (weight * level);
             squares += weight * level * level;
             centre += offset.as_dvec3() * weight;
-            nearness += weight / f64::from(point.openness);
+            nearness += weight / f64::from(self.known[i as usize].openness);
         }
         if moments.x_axis.x < ENOUGH {
-            return false;
+            return None;
         }
         let total = moments.x_axis.x;
         // Relative to how far the points are spread, so that dense points may show steep gradients.
@@ -153,17 +196,16 @@ impl Interpolator {
         let mean = self.sum / self.known.len() as f64;
         let tolerance = self.error * 0.5 * (fit.x.abs() + mean.abs());
         if residual > tolerance * tolerance {
-            return false;
+            return None;
         }
         let (centre, openness) = ((centre / total).as_vec3(), (total / nearness) as f32);
         if self.error.is_finite()
             && fit.x.abs() > DIM * mean.abs()
             && overlooked(barriers, sample, centre, openness)
         {
-            return false;
+            return None;
         }
-        out.clear();
-        out.extend((0..self.styles).map(|style| {
+        let light = (0..self.styles).map(|style| {
             let value = |i: u32| self.irradiance[i as usize * self.styles + style];
             let (mut sum, mut low, mut high) = (DVec3::ZERO, DVec3::INFINITY, DVec3::NEG_INFINITY);
             for &(i, w) in &used {
@@ -174,9 +216,22 @@ impl Interpolator {
             // The fit may run a little past its data, but never to nonsense.
             let slack = (high - low) * 0.5;
             sum.clamp((low - slack).max(DVec3::ZERO).min(low), high + slack)
-        }));
-        true
+        });
+        Some(light.collect())
     }
+}
+
+/// A point that counts at a sample.
+#[derive(Clone, Copy)]
+struct Neighbour {
+    point: u32,
+    offset: Vec3,
+    weight: f64,
+}
+
+/// How much the difference of the normals adds to the distance from a point, relative to its reach.
+fn bend(point: &Known, here: Vec3) -> f32 {
+    BEND * (1.0 - here.dot(point.normal)).max(0.0).sqrt()
 }
 
 /// How much a point at `offset` counts at normal `here`, from 0 for not at all to 1. It falls smoothly
@@ -185,7 +240,7 @@ fn weight(point: &Known, here: Vec3, offset: Vec3) -> f64 {
     if offset.length_squared() >= point.reach * point.reach {
         return 0.0;
     }
-    let bend = BEND * (1.0 - here.dot(point.normal)).max(0.0).sqrt();
+    let bend = bend(point, here);
     // Between two points of a round wall the mean of their normals is across the offset.
     let raised = offset.dot((here + point.normal).normalize_or_zero());
     let squared = offset.length_squared() + (RAISED * RAISED - 1.0) * raised * raised;
@@ -195,4 +250,45 @@ fn weight(point: &Known, here: Vec3, offset: Vec3) -> f64 {
 
 fn cell(p: Vec3) -> [i32; 3] {
     [p.x, p.y, p.z].map(|v| (v / REACH[1]).floor() as i32)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bsp::Bsp;
+    use crate::scene::{Scene, SceneSettings, Sidecar, luxels};
+
+    /// What tiles of luxels look up together is what each finds alone, with every point looked at.
+    #[test]
+    fn luxels_together_get_what_each_gets_alone() {
+        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/maps/atrium.bsp");
+        let bsp = Bsp::read(&std::fs::read(path).unwrap()).unwrap();
+        let scene = Scene::build(&bsp, Sidecar::default(), &SceneSettings::default()).unwrap();
+        let faces = (0..scene.surfaces.len()).step_by(7);
+        let samples: Vec<_> = faces.map(|face| luxels::place(&scene, face, 1)).collect();
+        let free = |samples: &[Sample]| samples.iter().copied().filter(|s| !s.occluded).collect();
+        let faces: Vec<Vec<Sample>> = samples.iter().map(|s| free(s)).collect();
+        let mut known = Interpolator::new(1, f64::INFINITY);
+        for (k, s) in faces.iter().flatten().step_by(3).enumerate() {
+            let light = DVec3::splat(1.0 + (k % 5) as f64);
+            known.add(Known::new(s.position, s.normal.normalize(), 80.0, 32.0), [light]);
+        }
+        let all: Vec<u32> = (0..known.known.len() as u32).collect();
+        let mut barriers = Barriers::new(&scene);
+        let (mut found, mut none, mut hidden) = (0, 0, 0);
+        for tile in faces.iter().flat_map(|samples| samples.chunks(13)) {
+            let together = known.at(&mut barriers, tile, &known.candidates(tile));
+            for (sample, light) in tile.iter().zip(together) {
+                let mut around = known.around(sample, &all);
+                let before = around.len();
+                let at = |n: &Neighbour| known.known[n.point as usize].position;
+                around.retain(|n| !barriers.blocked(sample.position, at(n)));
+                hidden += before - around.len();
+                assert_eq!(light, known.fit(&mut barriers, sample, &around), "{sample:?}");
+                *if light.is_some() { &mut found } else { &mut none } += 1;
+            }
+        }
+        println!("{found} luxels, {none} without, {hidden} points hidden");
+        assert!(found > 1000 && none > 10 && hidden > 100);
+    }
 }

@@ -40,6 +40,13 @@ const CHANNELS: [&str; 3] = ["red", "green", "blue"];
 const ROUNDING: f64 = 1e-9;
 
 impl Shader {
+    /// The colour that it multiplies by at most.
+    pub fn colour_mut(&mut self) -> &mut [f64; 3] {
+        match self {
+            Self::Checker(_, colour) | Self::Gradient(colour) => colour,
+        }
+    }
+
     /// Factor of each channel at a place, the axes running from 0 to 1.
     pub fn factor(&self, s: f64, t: f64) -> [f64; 3] {
         match *self {

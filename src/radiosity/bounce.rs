@@ -1,12 +1,13 @@
 //! Bouncing the light of a map: every light style over one set of transfers.
 
-use super::solve::{Limits, Sources, solve_with};
-use super::transfers::Transfers;
+use super::channels::{Channels, channels, colour};
+use super::solve::{Limits, Solution, Sources, Surfaces, solve_styles};
+use super::transfers::{AT_A_TIME, Transfers};
 use crate::light::StyleLight;
 use crate::patch::{Detail, Emission, MapPatches, PatchSet};
 use crate::photometry::{Exitance, Irradiance, Reflectance};
 use crate::scene::BounceSettings;
-use glam::{DVec3, Vec3};
+use glam::Vec3;
 use std::borrow::Cow;
 use std::collections::BTreeSet;
 
@@ -35,6 +36,8 @@ pub struct Bounced {
     pub bounces: u32,
     /// Largest share of light left unsent in any style.
     pub residual: f64,
+    /// Most channels that any style was carried in; `None` without bounces.
+    pub channels: Option<Channels>,
 }
 
 /// Solves each style: patches emit `emission`, reflect the mean of the direct light of their luxels
@@ -48,54 +51,113 @@ pub fn bounce(
     limits: Limits,
     advance: impl Fn(u64),
 ) -> Bounced {
-    let passages = &patches.set.passages;
-    let reflectance: Vec<Reflectance> = patches.set.patches.iter().map(|p| p.reflectance).collect();
+    let set = &patches.set;
+    let reflectance: Vec<Reflectance> = set.patches.iter().map(|p| p.reflectance).collect();
+    let surfaces = Surfaces { transfers, reflectance: &reflectance, passages: &set.passages };
     let mut bounced = Bounced::default();
-    for style in styles(direct, emission) {
-        let luxels = luxels_of(direct, style);
-        let mut arriving = patches.mean_irradiance(&luxels);
-        let of_lights = arriving.clone();
-        let dark = vec![Exitance::ZERO; reflectance.len()];
-        let own = emission.iter().find(|e| e.style == style);
-        // Emission that bounces by another factor than it shines with is direct light that happens to
-        // come from patches.
-        let apart = own.filter(|e| e.exitance != e.bouncing);
-        if let Some(emission) = apart {
-            for (sum, e) in arriving.iter_mut().zip(received(transfers, &emission.bouncing)) {
-                *sum += e;
-            }
+    let styles: Vec<u16> = styles(direct, emission).into_iter().collect();
+    for styles in styles.chunks(AT_A_TIME) {
+        let starts: Vec<Start<'_>> =
+            styles.iter().map(|&s| Start::new(patches, transfers, direct, emission, s)).collect();
+        let sources: Vec<Sources<'_>> = starts.iter().map(Start::sources).collect();
+        let shining = starts.iter().map(|s| Sources { emission: s.apart, direct: &[] });
+        let channels = Channels::of(surfaces, sources.iter().copied().chain(shining));
+        let mut solutions = solve_styles(surfaces, &sources, limits, channels);
+        for (start, solution) in starts.iter().zip(&mut solutions) {
+            start.add_what_shines(&mut solution.exitance);
+            bounced.bounces = bounced.bounces.max(solution.passes);
+            bounced.residual = bounced.residual.max(solution.residual);
         }
-        let emitted = own.filter(|_| apart.is_none()).map_or(&dark, |e| &e.exitance);
-        let sources = Sources { emission: emitted, direct: &arriving };
-        let mut solution = solve_with(transfers, &reflectance, passages, sources, limits);
-        for (m, e) in solution.exitance.iter_mut().zip(apart.iter().flat_map(|a| &a.exitance)) {
-            *m += *e;
-        }
-        bounced.bounces = bounced.bounces.max(solution.passes);
-        bounced.residual = bounced.residual.max(solution.residual);
-        advance(1);
-        if solution.exitance.iter().all(|m| *m == Exitance::ZERO) {
-            continue;
-        }
-        let irradiance = received(transfers, &solution.exitance);
-        let passing = if limits.passes == Some(0) {
-            Vec::new()
-        } else {
-            passing(&patches.set, &irradiance, &of_lights)
+        bounced.channels = bounced.channels.max(Some(channels));
+        advance(styles.len() as u64);
+        let lit = |(_, solution): &(Start<'_>, Solution)| {
+            solution.exitance.iter().any(|m| *m != Exitance::ZERO)
         };
-        bounced.styles.push(PatchLight {
-            style,
-            irradiance,
-            passing,
-            detail: if limits.passes == Some(0) {
-                Vec::new()
-            } else {
-                patches.detail(&luxels, &of_lights)
-            },
-            exitance: solution.exitance,
-        });
+        let lit: Vec<_> = starts.into_iter().zip(solutions).filter(lit).collect();
+        let exitance: Vec<&[Exitance]> = lit.iter().map(|(_, s)| &s.exitance[..]).collect();
+        let received = received(transfers, &exitance, channels);
+        for ((start, solution), irradiance) in lit.into_iter().zip(received) {
+            bounced.styles.push(start.light(patches, solution.exitance, irradiance, limits));
+        }
     }
     bounced
+}
+
+/// A light style before its light bounces.
+struct Start<'a> {
+    style: u16,
+    /// Direct light at luxels.
+    luxels: Vec<&'a [Irradiance]>,
+    /// Direct light at patches.
+    of_lights: Vec<Irradiance>,
+    /// Emission that bounces as it shines.
+    emitted: Cow<'a, [Exitance]>,
+    /// Irradiance that bounces: direct light, and what is received of emission that bounces by another factor
+    /// than it shines with, as if it were direct light that happens to come from patches.
+    arriving: Vec<Irradiance>,
+    /// Such emission as it shines.
+    apart: &'a [Exitance],
+}
+
+impl<'a> Start<'a> {
+    fn new(
+        patches: &MapPatches,
+        transfers: &Transfers,
+        direct: &'a [Cow<'_, [StyleLight]>],
+        emission: &'a [Emission],
+        style: u16,
+    ) -> Self {
+        let luxels = luxels_of(direct, style);
+        let of_lights = patches.mean_irradiance(&luxels);
+        let dark = Cow::Owned(vec![Exitance::ZERO; of_lights.len()]);
+        let mut start = Self {
+            style,
+            luxels,
+            arriving: of_lights.clone(),
+            of_lights,
+            emitted: dark,
+            apart: &[],
+        };
+        match emission.iter().find(|e| e.style == style) {
+            Some(own) if own.exitance != own.bouncing => {
+                let bouncing = received(transfers, &[&own.bouncing], Channels::Three);
+                for (sum, e) in start.arriving.iter_mut().zip(bouncing.into_iter().flatten()) {
+                    *sum += e;
+                }
+                start.apart = &own.exitance;
+            }
+            Some(own) => start.emitted = Cow::Borrowed(&own.exitance),
+            None => {}
+        }
+        start
+    }
+
+    fn sources(&self) -> Sources<'_> {
+        Sources { emission: &self.emitted, direct: &self.arriving }
+    }
+
+    fn add_what_shines(&self, exitance: &mut [Exitance]) {
+        for (m, e) in exitance.iter_mut().zip(self.apart) {
+            *m += *e;
+        }
+    }
+
+    /// The style with its solution.
+    fn light(
+        self,
+        patches: &MapPatches,
+        exitance: Vec<Exitance>,
+        irradiance: Vec<Irradiance>,
+        limits: Limits,
+    ) -> PatchLight {
+        let Self { style, luxels, of_lights, .. } = self;
+        let (mut through, mut detail) = (Vec::new(), Vec::new());
+        if limits.passes != Some(0) {
+            through = passing(&patches.set, &irradiance, &of_lights);
+            detail = patches.detail(&luxels, &of_lights);
+        }
+        PatchLight { style, exitance, irradiance, passing: through, detail }
+    }
 }
 
 /// Direct light as the keys of worldspawn let it bounce: `bouncescale` and `bouncestyled`.
@@ -120,10 +182,27 @@ pub fn rule_emission(emission: &mut [Emission], rules: &BounceSettings) {
     }
 }
 
-/// What the patches receive of each other's exitance.
-fn received(transfers: &Transfers, exitance: &[Exitance]) -> Vec<Irradiance> {
-    let exitance: Vec<DVec3> = exitance.iter().map(|m| m.0.as_dvec3()).collect();
-    transfers.gather(&exitance).into_iter().map(|e| Irradiance(e.as_vec3())).collect()
+/// What the patches receive of each other's exitance, for each style.
+fn received(
+    transfers: &Transfers,
+    exitance: &[&[Exitance]],
+    channels: Channels,
+) -> Vec<Vec<Irradiance>> {
+    match channels {
+        Channels::One => received_in::<1>(transfers, exitance),
+        Channels::Three => received_in::<3>(transfers, exitance),
+    }
+}
+
+fn received_in<const C: usize>(
+    transfers: &Transfers,
+    exitance: &[&[Exitance]],
+) -> Vec<Vec<Irradiance>> {
+    let light: Vec<Vec<[f64; C]>> =
+        exitance.iter().map(|m| m.iter().map(|m| channels(m.0)).collect()).collect();
+    let lists: Vec<&[[f64; C]]> = light.iter().map(Vec::as_slice).collect();
+    let received = transfers.gather_all(&lists);
+    received.into_iter().map(|e| e.into_iter().map(|e| Irradiance(colour(e))).collect()).collect()
 }
 
 /// Textures show exitance as reflected irradiance: what comes through looks as bright with this more.

@@ -2,6 +2,7 @@
 
 pub mod area_points;
 pub mod bounce;
+pub mod channels;
 pub mod contour;
 pub mod form_factor;
 pub mod hemicube;

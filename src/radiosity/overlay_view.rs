@@ -258,8 +258,3 @@ fn bounds(corners: &[DVec3]) -> Option<([f64; 2], [f64; 2])> {
     }
     (low[0] <= high[0]).then_some((low, high))
 }
-
-/// Adds the light of an overlay's row: `exitance` of each patch.
-pub(super) fn gather(row: &[(u32, Vec3)], exitance: &[DVec3]) -> DVec3 {
-    row.iter().fold(DVec3::ZERO, |sum, &(j, f)| sum + exitance[j as usize] * f.as_dvec3())
-}

@@ -1,10 +1,11 @@
 //! Solving the radiosity equation M_i = E_i + rho_i (D_i + sum_j F_ij M_j) by passes of gathering. Where
 //! light passes through sheets, M_i also has tau_k times what meets the other side k.
 
+use super::channels::{Channels, channels, colour};
 use super::transfers::Transfers;
 use crate::patch::Passage;
 use crate::photometry::{Exitance, Irradiance, Reflectance};
-use glam::{DVec3, Vec3};
+use glam::Vec3;
 
 /// When to stop.
 #[derive(Clone, Copy, Debug)]
@@ -35,6 +36,8 @@ pub struct Solution {
     pub residual: f64,
     /// Whether the residual fell to the limit before the passes were used up.
     pub settled: bool,
+    /// Channels that were carried.
+    pub channels: Channels,
 }
 
 /// Sends the light on, pass by pass: what a patch reflects in one pass is what it sends in the next.
@@ -58,52 +61,149 @@ pub fn solve_with(
     sources: Sources<'_>,
     limits: Limits,
 ) -> Solution {
-    let mut total: Vec<DVec3> = sources.emission.iter().map(|m| limited(m.0)).collect();
-    let mut unsent = total.clone();
-    // Irradiance that the next pass reflects besides what the patches send each other.
-    let mut direct: Vec<DVec3> = sources.direct.iter().map(|e| limited(e.0)).collect();
-    let mut passes = 0;
+    let surfaces = Surfaces { transfers, reflectance, passages };
+    let channels = Channels::of(surfaces, [sources]);
+    let mut solutions = solve_styles(surfaces, &[sources], limits, channels);
+    solutions.pop().expect("as many as sources")
+}
+
+/// What light meets.
+#[derive(Clone, Copy)]
+pub struct Surfaces<'a> {
+    /// What each patch sees.
+    pub transfers: &'a Transfers,
+    /// What each patch reflects; below 1.
+    pub reflectance: &'a [Reflectance],
+    /// Where light passes through diffusely; below 1 with what is reflected.
+    pub passages: &'a [Passage],
+}
+
+/// Solves many light styles, each as if it were alone; form factors are read once for several. `channels`
+/// must be those that [`Channels::of`] finds, or more.
+pub fn solve_styles(
+    surfaces: Surfaces<'_>,
+    sources: &[Sources<'_>],
+    limits: Limits,
+    channels: Channels,
+) -> Vec<Solution> {
+    match channels {
+        Channels::One => solve_in::<1>(surfaces, sources, limits),
+        Channels::Three => solve_in::<3>(surfaces, sources, limits),
+    }
+}
+
+fn solve_in<const C: usize>(
+    surfaces: Surfaces<'_>,
+    sources: &[Sources<'_>],
+    limits: Limits,
+) -> Vec<Solution> {
+    let mut styles: Vec<Style<C>> = sources.iter().map(Style::new).collect();
     loop {
-        let left = largest(&unsent).max(largest(&direct));
-        let all = largest(&total).max(left);
-        let residual = if all > 0.0 { left / all } else { 0.0 };
-        let settled = residual <= limits.residual;
-        if settled || limits.passes.is_some_and(|n| passes >= n) {
-            let exitance =
-                total.into_iter().map(|m| Exitance(limited(m.as_vec3()).as_vec3())).collect();
-            return Solution { exitance, passes, residual, settled };
+        let mut open: Vec<&mut Style<C>> =
+            styles.iter_mut().filter_map(|s| (!s.is_done(limits)).then_some(s)).collect();
+        if open.is_empty() {
+            return styles.into_iter().map(Style::solution).collect();
         }
-        unsent = if largest(&unsent) > 0.0 {
-            transfers.gather(&unsent)
-        } else {
-            vec![DVec3::ZERO; unsent.len()]
+        let sending: Vec<&[[f64; C]]> =
+            open.iter().filter(|s| s.sends()).map(|s| &s.unsent[..]).collect();
+        let mut arriving = surfaces.transfers.gather_all(&sending).into_iter();
+        for style in &mut open {
+            let arriving = if style.sends() { arriving.next() } else { None };
+            style.pass(surfaces, arriving.unwrap_or_else(|| vec![[0.0; C]; style.total.len()]));
+        }
+    }
+}
+
+/// A light style on its way to a solution.
+struct Style<const C: usize> {
+    /// Exitance by now.
+    total: Vec<[f64; C]>,
+    /// What of it the patches have not sent each other.
+    unsent: Vec<[f64; C]>,
+    /// Irradiance that the next pass reflects besides what the patches send each other.
+    direct: Vec<[f64; C]>,
+    passes: u32,
+    residual: f64,
+    settled: bool,
+}
+
+impl<const C: usize> Style<C> {
+    fn new(sources: &Sources<'_>) -> Self {
+        let total: Vec<_> = sources.emission.iter().map(|m| channels(limited(m.0))).collect();
+        Self {
+            unsent: total.clone(),
+            total,
+            direct: sources.direct.iter().map(|e| channels(limited(e.0))).collect(),
+            passes: 0,
+            residual: 0.0,
+            settled: false,
+        }
+    }
+
+    /// Whether to stop here.
+    fn is_done(&mut self, limits: Limits) -> bool {
+        let left = largest(&self.unsent).max(largest(&self.direct));
+        let all = largest(&self.total).max(left);
+        self.residual = if all > 0.0 { left / all } else { 0.0 };
+        self.settled = self.residual <= limits.residual;
+        self.settled || limits.passes.is_some_and(|n| self.passes >= n)
+    }
+
+    /// Whether the patches have anything to send each other.
+    fn sends(&self) -> bool {
+        largest(&self.unsent) > 0.0
+    }
+
+    /// Reflects and lets through what is `arriving` at each patch, and direct light.
+    fn pass(&mut self, surfaces: Surfaces<'_>, arriving: Vec<[f64; C]>) {
+        let mut light = arriving;
+        for (sum, e) in light.iter_mut().zip(self.direct.drain(..)) {
+            add(sum, e);
+        }
+        let product = |a: [f64; C], b: Vec3| {
+            let b: [f64; C] = channels(b);
+            std::array::from_fn(|c| b[c] * a[c])
         };
-        for (sum, e) in unsent.iter_mut().zip(direct.drain(..)) {
-            *sum += e;
+        let through: Vec<[f64; C]> = surfaces
+            .passages
+            .iter()
+            .map(|p| product(light[p.from.0 as usize], p.transmittance))
+            .collect();
+        for (m, rho) in light.iter_mut().zip(surfaces.reflectance) {
+            *m = product(*m, rho.0);
         }
-        let through = |p: &Passage| p.transmittance.as_dvec3() * unsent[p.from.0 as usize];
-        let through: Vec<DVec3> = passages.iter().map(through).collect();
-        for (m, rho) in unsent.iter_mut().zip(reflectance) {
-            *m *= rho.0.as_dvec3();
+        for (passage, through) in surfaces.passages.iter().zip(through) {
+            add(&mut light[passage.to.0 as usize], through);
         }
-        for (passage, light) in passages.iter().zip(through) {
-            unsent[passage.to.0 as usize] += light;
+        for (total, &m) in self.total.iter_mut().zip(&light) {
+            add(total, m);
         }
-        for (m, total) in unsent.iter().zip(&mut total) {
-            *total += *m;
-        }
-        passes += 1;
+        self.unsent = light;
+        self.passes += 1;
+    }
+
+    fn solution(self) -> Solution {
+        let Self { total, passes, residual, settled, .. } = self;
+        let exitance = total.into_iter().map(|m| Exitance(limited(colour(m)))).collect();
+        let channels = if C == 1 { Channels::One } else { Channels::Three };
+        Solution { exitance, passes, residual, settled, channels }
+    }
+}
+
+fn add<const C: usize>(sum: &mut [f64; C], more: [f64; C]) {
+    for (sum, more) in sum.iter_mut().zip(more) {
+        *sum += more;
     }
 }
 
 /// Light that is no finite number would never settle: it becomes 0 or the largest that a map can hold.
-fn limited(light: Vec3) -> DVec3 {
+fn limited(light: Vec3) -> Vec3 {
     const MOST: f32 = 1e30;
     let channel = |c: f32| if c.is_nan() { 0.0 } else { c.clamp(-MOST, MOST) };
-    Vec3::from_array(light.to_array().map(channel)).as_dvec3()
+    Vec3::from_array(light.to_array().map(channel))
 }
 
 /// Largest absolute value of any channel.
-fn largest(light: &[DVec3]) -> f64 {
-    light.iter().fold(0.0, |max, m| max.max(m.abs().max_element()))
+fn largest<const C: usize>(light: &[[f64; C]]) -> f64 {
+    light.as_flattened().iter().fold(0.0, |max, m| max.max(m.abs()))
 }

@@ -2,20 +2,21 @@
 
 mod bytes;
 mod estimate;
+mod gather;
 mod gatherer;
 
+pub(super) use gather::AT_A_TIME;
 pub use gatherer::{Distances, Gatherer, Interval};
 
 use super::hemicube::{DeltaFormFactors, HemicubeSize, View};
 use super::near_pairs::NearPairs;
-use super::overlay_view;
 use crate::patch::{PatchId, PatchSet};
 use crate::scene::{ShadowRays, Tracer};
-use glam::{DVec3, Vec3};
+use glam::Vec3;
 use rayon::prelude::*;
 
-/// The longest step to the next column; a longer one is several.
-const FAR: u16 = u16::MAX;
+/// The longest that a run or the way to it may be.
+const LONGEST: u16 = u16::MAX;
 /// Rows computed, and stored, as one piece.
 const CHUNK: usize = 32;
 
@@ -33,14 +34,18 @@ pub struct Transfers {
     drawn: u64,
 }
 
-/// Rows one after the other, six bytes an entry.
+/// Rows one after the other. Patches beside each other mostly have numbers beside each other, so columns
+/// are kept as runs: four bytes an entry and four a run.
 #[derive(Default)]
 struct Chunk {
     distances: Vec<Distances>,
+    /// Where the entries of each row end in `weights`.
     ends: Vec<u32>,
-    /// By how much each entry's column is larger than the one before it in the row (the first: than 0);
-    /// [`FAR`] moves on by that much and is no entry.
-    steps: Vec<u16>,
+    /// Where those of each row end in `runs`.
+    run_ends: Vec<u32>,
+    /// How many columns are left out since the run before, and how many follow each other then. What
+    /// is too long for one is several.
+    runs: Vec<[u16; 2]>,
     weights: Vec<f32>,
     /// What an overlay adds to each row; empty without one.
     overlay: Vec<Vec<(u32, Vec3)>>,
@@ -49,59 +54,43 @@ struct Chunk {
 impl Chunk {
     fn push(&mut self, row: &[(PatchId, f64)], distances: Distances) {
         self.distances.push(distances);
-        let mut column = 0;
+        let (start, mut next) = (self.runs.len(), 0);
         for &(j, f) in row {
-            let mut step = j.0 - column;
-            while step >= u32::from(FAR) {
-                self.steps.push(FAR);
-                self.weights.push(0.0);
-                step -= u32::from(FAR);
+            let mut skip = j.0 - next;
+            while skip > u32::from(LONGEST) {
+                self.runs.push([LONGEST, 0]);
+                skip -= u32::from(LONGEST);
             }
-            self.steps.push(step as u16);
+            match self.runs[start..].last_mut() {
+                Some([_, length]) if skip == 0 && *length < LONGEST => *length += 1,
+                _ => self.runs.push([skip as u16, 1]),
+            }
             self.weights.push(f as f32);
-            column = j.0;
+            next = j.0 + 1;
         }
-        self.ends.push(self.steps.len() as u32);
+        self.ends.push(self.weights.len() as u32);
+        self.run_ends.push(self.runs.len() as u32);
     }
 
-    /// Steps and weights of a row.
-    fn row(&self, i: usize) -> (&[u16], &[f32]) {
-        let from = if i == 0 { 0 } else { self.ends[i - 1] as usize };
-        let to = self.ends[i] as usize;
-        (&self.steps[from..to], &self.weights[from..to])
+    /// Runs and weights of a row.
+    fn row(&self, i: usize) -> (&[[u16; 2]], &[f32]) {
+        let range = |ends: &[u32]| {
+            let from = if i == 0 { 0 } else { ends[i - 1] as usize };
+            from..ends[i] as usize
+        };
+        (&self.runs[range(&self.run_ends)], &self.weights[range(&self.ends)])
     }
 
     /// Columns and weights of a row.
     fn entries(&self, i: usize) -> impl Iterator<Item = (u32, f32)> + '_ {
-        let (steps, weights) = self.row(i);
+        let (runs, weights) = self.row(i);
         let mut column = 0;
-        steps.iter().zip(weights).filter_map(move |(&step, &weight)| {
-            column += u32::from(step);
-            (step != FAR).then_some((column, weight))
-        })
-    }
-
-    /// Sum of weight times light over a row.
-    fn sum(&self, i: usize, light: &[DVec3]) -> DVec3 {
-        let (steps, weights) = self.row(i);
-        // Several sums at a time: each addition would wait for the one before.
-        let mut sums = [DVec3::ZERO; 4];
-        let mut column = 0;
-        let mut add = |sum: &mut DVec3, step: u16, weight: f32| {
-            column += u32::from(step);
-            *sum += light[column as usize] * f64::from(weight);
-        };
-        let (by_four, rest) = steps.as_chunks::<4>();
-        let (weights, last) = weights.as_chunks::<4>();
-        for (steps, weights) in by_four.iter().zip(weights) {
-            for ((sum, &step), &weight) in sums.iter_mut().zip(steps).zip(weights) {
-                add(sum, step, weight);
-            }
-        }
-        for ((sum, &step), &weight) in sums.iter_mut().zip(rest).zip(last) {
-            add(sum, step, weight);
-        }
-        (sums[0] + sums[1]) + (sums[2] + sums[3])
+        let columns = runs.iter().flat_map(move |&[skip, length]| {
+            let first = column + u32::from(skip);
+            column = first + u32::from(length);
+            first..column
+        });
+        columns.zip(weights.iter().copied())
     }
 }
 
@@ -190,7 +179,7 @@ impl Transfers {
                     rows.overlay.extend(gatherer.overlay_row());
                 }
                 advance(members.len() as u64);
-                rows.steps.shrink_to_fit();
+                rows.runs.shrink_to_fit();
                 rows.weights.shrink_to_fit();
                 rows
             },
@@ -250,8 +239,7 @@ impl Transfers {
 
     /// Number of form factors stored.
     pub fn len(&self) -> usize {
-        let entries = |c: &Chunk| c.steps.iter().filter(|&&step| step != FAR).count();
-        self.chunks.iter().map(entries).sum()
+        self.chunks.iter().map(|c| c.weights.len()).sum()
     }
 
     /// Whether no patch sees another.
@@ -304,23 +292,6 @@ impl Transfers {
         self.chunks[at / CHUNK].distances[at % CHUNK]
     }
 
-    /// Irradiance at each patch when patch j has exitance `exitance[j]`: E_i = sum_j F_ij M_j.
-    pub fn gather(&self, exitance: &[DVec3]) -> Vec<DVec3> {
-        let rows: Vec<Vec<DVec3>> = self
-            .chunks
-            .par_iter()
-            .map(|chunk| {
-                let mut rows: Vec<DVec3> =
-                    (0..chunk.ends.len()).map(|i| chunk.sum(i, exitance)).collect();
-                for (sum, row) in rows.iter_mut().zip(&chunk.overlay) {
-                    *sum += overlay_view::gather(row, exitance);
-                }
-                rows
-            })
-            .collect();
-        self.row_of.iter().map(|&at| rows[at as usize / CHUNK][at as usize % CHUNK]).collect()
-    }
-
     /// The patch from which the row of patch `i` was drawn: `i` itself, or one that it shares it with.
     pub fn drawn_at(&self, i: usize) -> usize {
         self.drawn_at[i] as usize
@@ -342,12 +313,12 @@ mod tests {
             let row: Vec<_> = row.iter().map(|&j| (PatchId(j), weight(j))).collect();
             chunk.push(&row, distances);
         }
-        let light: Vec<DVec3> = (0..700_001).map(|j| DVec3::splat(f64::from(j))).collect();
+        let light: Vec<[[f64; 1]; 1]> = (0..700_001).map(|j| [[f64::from(j)]]).collect();
         for (i, row) in rows.into_iter().enumerate() {
             let expected: Vec<_> = row.iter().map(|&j| (j, weight(j) as f32)).collect();
             assert_eq!(chunk.entries(i).collect::<Vec<_>>(), expected);
             let sum: f64 = expected.iter().map(|&(j, f)| f64::from(j) * f64::from(f)).sum();
-            assert!((chunk.sum(i, &light).x - sum).abs() <= 1e-9 * sum, "row {i}");
+            assert!((chunk.sum(i, &light)[0][0] - sum).abs() <= 1e-9 * sum, "row {i}");
         }
     }
 }

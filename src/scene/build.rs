@@ -120,13 +120,13 @@ impl Scene {
         faces.warn(&mut warnings);
         let FaceReader {
             mut surfaces,
+            mut shadings,
             shapes,
             luxel_maps,
             names,
             groups,
             wishes,
             emissive,
-            shadings,
             ..
         } = faces;
         // Fences may have no pixels that are seen.
@@ -177,6 +177,7 @@ impl Scene {
             suns: &mut suns,
             emitters: &mut emitters,
             world: &mut world,
+            shadings: &mut shadings,
         };
         effects::apply(&settings.switches, &mut parts);
 

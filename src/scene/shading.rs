@@ -40,6 +40,30 @@ impl Shading {
         })
     }
 
+    /// The reflectance is the same all over.
+    pub fn make_even(&mut self) {
+        self.modifier = None;
+    }
+
+    /// Whether the reflectance varies.
+    pub fn is_uneven(&self) -> bool {
+        self.modifier.is_some()
+    }
+
+    /// Whether it may bring colour to surfaces without.
+    pub fn is_coloured(&self) -> bool {
+        let is_grey = |c: Vec3| c == Vec3::splat(c.x);
+        let texels = |e: &MaterialEmission| e.parts != Emitting::Face;
+        self.emission.as_ref().is_some_and(texels)
+            || match self.modifier {
+                None => false,
+                Some(Modifier::Texel) => true,
+                Some(Modifier::Checker(_, colour) | Modifier::Gradient(_, colour)) => {
+                    !is_grey(colour)
+                }
+            }
+    }
+
     /// Texture coordinates of a world point.
     fn texture_at(&self, point: Vec3) -> [f32; 2] {
         let p = (point - self.offset).extend(1.0);

@@ -1,5 +1,6 @@
 //! The polygons of a scene in a bounding volume hierarchy. The only file that uses `obvhs`.
 
+use super::pieces::Pieces;
 use super::wide_tree::WideTree;
 use glam::Vec3;
 use obvhs::BvhBuildParams;
@@ -7,6 +8,7 @@ use obvhs::aabb::Aabb;
 use obvhs::bvh2::Bvh2;
 use obvhs::bvh2::builder::build_bvh2;
 use obvhs::ray::{Ray, RayHit};
+use std::sync::OnceLock;
 use std::time::Duration;
 
 /// A flat convex polygon that blocks light.
@@ -53,6 +55,8 @@ pub struct Tracer {
     /// Normal of each slot's polygon.
     normals: Vec<Vec3>,
     wide: WideTree,
+    /// Made when a hemicube is drawn first.
+    pieces: OnceLock<Pieces>,
 }
 
 impl Tracer {
@@ -90,8 +94,16 @@ impl Tracer {
             ends.push(corners.len() as u32);
             normals.push(polygon.normal);
         }
-        let mut tracer =
-            Self { polygons, bvh, nodes, corners, ends, normals, wide: WideTree::default() };
+        let mut tracer = Self {
+            polygons,
+            bvh,
+            nodes,
+            corners,
+            ends,
+            normals,
+            wide: WideTree::default(),
+            pieces: OnceLock::new(),
+        };
         tracer.wide = WideTree::new(&tracer.nodes, |slot| {
             let (corners, _, polygon) = tracer.polygon(slot);
             (corners, polygon)
@@ -112,6 +124,11 @@ impl Tracer {
     /// The same hierarchy for shadow rays.
     pub(super) fn wide(&self) -> &WideTree {
         &self.wide
+    }
+
+    /// The polygons for hemicubes.
+    pub fn pieces(&self) -> &Pieces {
+        self.pieces.get_or_init(|| Pieces::new(self))
     }
 
     /// Corner points, normal and index of the polygon in a leaf's slot.

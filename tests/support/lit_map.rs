@@ -29,9 +29,14 @@ pub struct Lit {
 
 impl Prepared {
     pub fn new(bsp: &Bsp, settings: Settings, area_lights: bool) -> Self {
+        Self::with(bsp, settings, area_lights, Sidecar::default())
+    }
+
+    /// With what stands beside the map.
+    pub fn with(bsp: &Bsp, settings: Settings, area_lights: bool, sidecar: Sidecar<'_>) -> Self {
         let scene_settings =
             SceneSettings { area_lights, grey: settings.grey, ..SceneSettings::default() };
-        let scene = Scene::build(bsp, Sidecar::default(), &scene_settings).unwrap();
+        let scene = Scene::build(bsp, sidecar, &scene_settings).unwrap();
         let samples: Vec<_> =
             (0..scene.surfaces.len()).map(|face| luxels::place(&scene, face, 1)).collect();
         let patches = MapPatches::new(&scene, &samples, settings.patch_size);

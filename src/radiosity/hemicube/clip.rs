@@ -1,19 +1,29 @@
 //! Clipping polygons to the view pyramid of one hemicube side.
 
 use glam::Vec3;
+use wide::{CmpLt, f32x8};
 
 /// A point as (column x depth, row x depth, depth): dividing by the depth gives cell coordinates.
 pub(super) type Homogeneous = Vec3;
 
 /// Signed distances to the four planes of the pyramid; all at least 0 means inside. The planes meet
 /// in the eye, so what they keep has depth >= 0.
-fn outside(p: Homogeneous, width: f32, height: f32, plane: usize) -> f32 {
+fn distance(p: Homogeneous, width: f32, height: f32, plane: usize) -> f32 {
     match plane {
         0 => p.x,
         1 => width * p.z - p.x,
         2 => p.y,
         _ => height * p.z - p.y,
     }
+}
+
+/// The lanes that are outside of each of the four planes, a bit each.
+#[inline(always)]
+pub(super) fn outside(p: &[f32x8; 3], size: [f32; 2]) -> [i32; 4] {
+    let [x, y, z] = *p;
+    let far = |at: f32x8, size: f32| f32x8::splat(size) * z - at;
+    let below = |d: f32x8| d.cmp_lt(f32x8::ZERO).move_mask();
+    [below(x), below(far(x, size[0])), below(y), below(far(y, size[1]))]
 }
 
 /// Clips the polygon in `points` in place; `spare` is working space. Returns whether anything is
@@ -31,7 +41,7 @@ pub(super) fn clip(
     let (mut some, mut all) = (0u8, 15u8);
     for p in points.iter() {
         let code = (0..4).fold(0, |code, plane| {
-            code | u8::from(outside(*p, width, height, plane) < 0.0) << plane
+            code | u8::from(distance(*p, width, height, plane) < 0.0) << plane
         });
         some |= code;
         all &= code;
@@ -42,9 +52,9 @@ pub(super) fn clip(
     for plane in (0..4).filter(|plane| some >> plane & 1 == 1) {
         spare.clear();
         let mut from = points[points.len() - 1];
-        let mut from_d = outside(from, width, height, plane);
+        let mut from_d = distance(from, width, height, plane);
         for &to in points.iter() {
-            let to_d = outside(to, width, height, plane);
+            let to_d = distance(to, width, height, plane);
             if from_d >= 0.0 && to_d < 0.0 {
                 spare.push(from + (to - from) * (from_d / (from_d - to_d)));
             } else if from_d < 0.0 && to_d >= 0.0 {

@@ -1,7 +1,8 @@
 //! The coordinates of a view, (right, up, normal) from its eye: boxes and polygons are brought into
 //! them once, and the five sides are then exchanges of axes.
 
-use super::clip::Homogeneous;
+use super::lanes::{all, greatest, least};
+use super::outline::Cells;
 use super::side::{Nearness, Side};
 use super::{HemicubeSize, SIDES, SideId, View};
 use crate::scene::Node;
@@ -58,10 +59,13 @@ impl Frame {
         }
     }
 
-    /// The frame's coordinates of a point.
-    pub fn local(&self, p: Vec3) -> Vec3 {
-        let p = p - self.eye;
-        Vec3::from_array(self.axes.map(|axis| axis.dot(p)))
+    /// The frame's coordinates of eight points.
+    #[inline]
+    pub fn local(&self, [x, y, z]: &[f32x8; 3]) -> [f32x8; 3] {
+        let (x, y, z) = (*x - all(self.eye.x), *y - all(self.eye.y), *z - all(self.eye.z));
+        let along = |axis: Vec3| x * all(axis.x) + y * all(axis.y) + z * all(axis.z);
+        let [right, up, normal] = self.axes;
+        [along(right), along(up), along(normal)]
     }
 
     /// Squared distance from the eye to a node's box.
@@ -74,22 +78,10 @@ impl Frame {
         let centre = (node.min + node.max) * 0.5 - self.eye;
         let half = (node.max - node.min) * 0.5;
         let [x, y, z] = &self.planes;
-        let sum = |x: f32x8, y: f32x8, z: f32x8, v: Vec3| {
-            x * f32x8::splat(v.x) + y * f32x8::splat(v.y) + z * f32x8::splat(v.z)
-        };
+        let sum =
+            |x: f32x8, y: f32x8, z: f32x8, v: Vec3| x * all(v.x) + y * all(v.y) + z * all(v.z);
         let (middle, reach) = (sum(*x, *y, *z, centre), sum(x.abs(), y.abs(), z.abs(), half));
         sides(middle + reach, middle - reach)
-    }
-
-    /// Sides in whose view a polygon with these corners (in the frame's coordinates) may reach.
-    pub fn sides_of_polygon(corners: &[Vec3]) -> SideSet {
-        let (mut low, mut high) = (f32x8::splat(f32::INFINITY), f32x8::splat(f32::NEG_INFINITY));
-        for &Vec3 { x, y, z } in corners {
-            let at = f32x8::new([x + y, x - y, x + z, x - z, y + z, y - z, z, z]);
-            low = low.fast_min(at);
-            high = high.fast_max(at);
-        }
-        sides(high, low)
     }
 
     /// The corners of a node's box.
@@ -99,17 +91,19 @@ impl Frame {
         const Z: f32x8 = f32x8::new([-1.0, -1.0, -1.0, -1.0, 1.0, 1.0, 1.0, 1.0]);
         let centre = (node.min + node.max) * 0.5 - self.eye;
         let half = (node.max - node.min) * 0.5;
-        Corners(self.axes.map(|axis| {
+        let along = |axis: Vec3| {
             let step = axis * half;
-            let steps = X * f32x8::splat(step.x) + Y * f32x8::splat(step.y);
-            f32x8::splat(axis.dot(centre)) + (steps + Z * f32x8::splat(step.z))
-        }))
+            let steps = X * all(step.x) + Y * all(step.y);
+            all(axis.dot(centre)) + (steps + Z * all(step.z))
+        };
+        let [right, up, normal] = self.axes;
+        Corners([along(right), along(up), along(normal)])
     }
 
     /// Whether a box within the view of side `number` is behind cells of that side that are covered.
     pub fn hidden(&self, corners: &Corners, number: usize, side: &mut Side) -> bool {
         let frame = &self.sides[number];
-        let along = |k: usize| corners.0[frame.axis[k]] * f32x8::splat(frame.sign[k]);
+        let along = |k: usize| corners.0[frame.axis[k]] * all(frame.sign[k]);
         let depth = along(2);
         let nearest = least(depth);
         // The eye is in the box or almost: everything may be seen.
@@ -120,11 +114,14 @@ impl Frame {
         let (across, up) = (along(0) * inverse, along(1) * inverse);
         let low = frame.cell(least(across), least(up));
         let high = frame.cell(greatest(across), greatest(up));
-        side.covered(low, high, 1.0 / nearest)
+        match Cells::between(low, high, side.size()) {
+            Some(cells) => side.covered(cells, 1.0 / nearest),
+            None => true,
+        }
     }
 
-    /// 1 / depth of the plane through `on` over side `number`: `normal . direction / distance`. None
-    /// for a plane through the eye, which is seen edge-on. `normal` and `on` are in the world.
+    /// 1 / depth of the plane through `on` is this times the direction of depth 1. None for a plane
+    /// through the eye, which is seen edge-on. `normal` and `on` are in the world.
     pub fn nearness(&self, on: Vec3, normal: Vec3) -> Option<Vec3> {
         let mut inverse = 1.0 / normal.dot(on - self.eye);
         if inverse > 0.0 {
@@ -144,11 +141,13 @@ impl Frame {
 pub(super) struct SideView<'a>(&'a SideFrame);
 
 impl SideView<'_> {
-    /// A point of the frame, as the side's cells have it.
-    pub fn project(&self, p: Vec3) -> Homogeneous {
+    /// Eight points of the frame, as the side's cells have them.
+    #[inline]
+    pub fn project(&self, p: &[f32x8; 3]) -> [f32x8; 3] {
         let f = self.0;
-        let [a, b, c] = f.turned(p);
-        Vec3::new((a + c) * f.columns, (b + c * f.lowest) * f.rows, c)
+        let turned = |k: usize| p[f.axis[k]] * all(f.sign[k]);
+        let (a, b, c) = (turned(0), turned(1), turned(2));
+        [(a + c) * all(f.columns), (b + c * all(f.lowest)) * all(f.rows), c]
     }
 
     /// What [`Frame::nearness`] tells of a plane, cell by cell.
@@ -190,13 +189,13 @@ impl SideFrame {
     }
 }
 
-/// The sides whose pyramids a convex body may reach into: of each plane of [`Frame`], `high` and `low`
-/// are the largest and the smallest signed distance of the body to it.
+/// The sides whose pyramids a box may reach into: of each plane of [`Frame`], `high` and `low` are the
+/// largest and the smallest signed distance of the box to it.
 fn sides(high: f32x8, low: f32x8) -> SideSet {
     // A bit each: part of the body is on the positive side of the plane, on the negative side.
     let above = high.cmp_ge(f32x8::ZERO).move_mask();
     let below = low.cmp_le(f32x8::ZERO).move_mask();
-    let all = |above_of: i32, below_of: i32, side: u32| {
+    let every = |above_of: i32, below_of: i32, side: u32| {
         u8::from(above & above_of == above_of && below & below_of == below_of) << side
     };
     const XY: i32 = 1;
@@ -206,26 +205,11 @@ fn sides(high: f32x8, low: f32x8) -> SideSet {
     const YZ: i32 = 16;
     const Y_Z: i32 = 32;
     const Z: i32 = 64;
-    all(XZ | YZ, X_Z | Y_Z, 0)
-        | all(XY | X_Y | X_Z | Z, 0, 1)
-        | all(XY | Y_Z | Z, X_Y, 2)
-        | all(Z, XY | X_Y | XZ, 3)
-        | all(X_Y | Z, XY | YZ, 4)
-}
-
-fn least(v: f32x8) -> f32 {
-    fold(v, |a, b| if b < a { b } else { a })
-}
-
-fn greatest(v: f32x8) -> f32 {
-    fold(v, |a, b| if b > a { b } else { a })
-}
-
-/// Combines the eight lanes by halves.
-fn fold(v: f32x8, f: fn(f32, f32) -> f32) -> f32 {
-    let v = v.to_array();
-    let q: [f32; 4] = std::array::from_fn(|i| f(v[i], v[i + 4]));
-    f(f(q[0], q[2]), f(q[1], q[3]))
+    every(XZ | YZ, X_Z | Y_Z, 0)
+        | every(XY | X_Y | X_Z | Z, 0, 1)
+        | every(XY | Y_Z | Z, X_Y, 2)
+        | every(Z, XY | X_Y | XZ, 3)
+        | every(X_Y | Z, XY | YZ, 4)
 }
 
 #[cfg(test)]
@@ -234,6 +218,11 @@ mod tests {
 
     fn view() -> View {
         View::turned(Vec3::new(3.0, -2.0, 5.0), Vec3::new(0.6, 0.0, 0.8), 5)
+    }
+
+    fn projected(frame: &Frame, side: usize, p: Vec3) -> [f32; 3] {
+        let p = frame.side(side).project(&frame.local(&p.to_array().map(f32x8::splat)));
+        p.map(|v| v.to_array()[3])
     }
 
     #[test]
@@ -246,8 +235,8 @@ mod tests {
                 let at = size.cell_centre(side, x, y);
                 let [a, b, c] = view.axes(side);
                 let p = view.position + (a * at.x + b * at.y + c) * 7.0;
-                let p = frame.side(number).project(frame.local(p));
-                let seen = [p.x / p.z, p.y / p.z, p.z];
+                let [across, along, depth] = projected(&frame, number, p);
+                let seen = [across / depth, along / depth, depth];
                 let expected = [x as f32 + 0.5, y as f32 + 0.5, 7.0];
                 for k in 0..3 {
                     assert!(
@@ -268,13 +257,12 @@ mod tests {
             let p = Vec3::new(at(k), at(k / 7 + 300), at(k / 31 + 90));
             let node = Node { min: p, max: p, count: 0, first: 0 };
             let expected = (0..5).filter(|&side| {
-                let q = frame.side(side).project(frame.local(p));
+                let [x, y, depth] = projected(&frame, side, p);
                 let height = if side == 0 { 2.0 } else { 1.0 };
-                q.x >= 0.0 && q.x <= 2.0 * q.z && q.y >= 0.0 && q.y <= height * q.z
+                x >= 0.0 && x <= 2.0 * depth && y >= 0.0 && y <= height * depth
             });
             let expected = expected.fold(0, |set, side| set | 1 << side);
             assert_eq!(frame.sides_of_box(&node), expected, "{p}");
-            assert_eq!(Frame::sides_of_polygon(&[frame.local(p)]), expected, "{p}");
         }
     }
 }

@@ -1,26 +1,27 @@
 //! Drawing a hemicube: the hierarchy is walked front to back, once for all five sides, and what lies
 //! behind covered tiles is skipped.
 
-use super::clip::{Homogeneous, clip};
+use super::clip::{Homogeneous, clip, outside};
 use super::frame::{ALL_SIDES, Frame, SideSet};
+use super::lanes::greatest;
+use super::outline::Outline;
 use super::side::{NOTHING, Side};
 use super::{HemicubeSize, SIDES, SideId, View};
-use crate::scene::Tracer;
+use crate::scene::{Piece, Tracer};
 use glam::Vec3;
-use std::cmp::Reverse;
-use std::collections::BinaryHeap;
+use wide::{CmpGt, f32x8};
+
+/// What [`outside`] tells of a plane that all corners are outside of.
+const ALL_CORNERS: i32 = 255;
 
 /// Which polygon a point sees through each cell. Reused from one hemicube to the next.
 pub struct ItemBuffer {
     size: HemicubeSize,
     sides: [Side; 5],
-    /// Nodes still to be looked at, the nearest first, with the sides that they may be seen on.
-    queue: BinaryHeap<Reverse<(u32, u32, SideSet)>>,
-    /// Corners of a polygon in the coordinates of the view.
-    local: Vec<Vec3>,
+    /// Nodes still to be looked at, the nearer child last, with the sides that they may be seen on.
+    stack: Vec<(u32, SideSet)>,
     points: Vec<Homogeneous>,
     spare: Vec<Homogeneous>,
-    corners: Vec<[f32; 2]>,
 }
 
 /// Cells of one row that lie beside each other in memory.
@@ -48,11 +49,9 @@ impl ItemBuffer {
         Self {
             size,
             sides: SIDES.map(|s| Side::new(size.width(), size.rows(s))),
-            queue: BinaryHeap::new(),
-            local: Vec::new(),
+            stack: Vec::new(),
             points: Vec::new(),
             spare: Vec::new(),
-            corners: Vec::new(),
         }
     }
 
@@ -64,18 +63,19 @@ impl ItemBuffer {
     /// Replaces the contents by what is seen from `view`.
     pub fn draw(&mut self, tracer: &Tracer, view: &View) {
         self.sides.iter_mut().for_each(Side::clear);
-        let nodes = tracer.nodes();
+        let pieces = tracer.pieces();
+        let nodes = pieces.nodes();
         let frame = Frame::new(view, self.size);
-        self.queue.clear();
+        self.stack.clear();
         if !nodes.is_empty() {
-            self.queue.push(Reverse((0, 0, ALL_SIDES)));
+            self.stack.push((0, ALL_SIDES));
         }
-        while let Some(Reverse((_, index, sides))) = self.queue.pop() {
+        while let Some((index, sides)) = self.stack.pop() {
             let node = &nodes[index as usize];
             if node.count > 0 {
                 // Polygons are tested by themselves, more exactly than by their box.
-                for slot in node.first..node.first + node.count {
-                    self.draw_polygon(tracer, slot, &frame, sides);
+                for piece in pieces.of(node) {
+                    self.draw_piece(piece, &frame, sides);
                 }
                 continue;
             }
@@ -86,11 +86,13 @@ impl ItemBuffer {
             if sides == 0 {
                 continue;
             }
-            for child in [node.first, node.first + 1] {
-                let node = &nodes[child as usize];
-                let sides = sides & frame.sides_of_box(node);
-                if sides != 0 {
-                    self.queue.push(Reverse((frame.distance(node).to_bits(), child, sides)));
+            let children = [node.first, node.first + 1];
+            let [a, b] = children.map(|child| &nodes[child as usize]);
+            let seen = [sides & frame.sides_of_box(a), sides & frame.sides_of_box(b)];
+            let nearer = usize::from(frame.distance(b) < frame.distance(a));
+            for k in [1 - nearer, nearer] {
+                if seen[k] != 0 {
+                    self.stack.push((children[k], seen[k]));
                 }
             }
         }
@@ -111,38 +113,39 @@ impl ItemBuffer {
         }
     }
 
-    fn draw_polygon(&mut self, tracer: &Tracer, slot: u32, frame: &Frame, sides: SideSet) {
-        let (corners, normal, item) = tracer.polygon(slot);
-        let Some(slope) = frame.nearness(corners[0], normal) else { return };
-        self.local.clear();
-        self.local.extend(corners.iter().map(|&c| frame.local(c)));
-        for number in members(sides & Frame::sides_of_polygon(&self.local)) {
+    fn draw_piece(&mut self, piece: &Piece, frame: &Frame, sides: SideSet) {
+        let local = frame.local(&piece.corners);
+        for number in members(sides) {
             let side = frame.side(number);
-            self.points.clear();
-            self.points.extend(self.local.iter().map(|&c| side.project(c)));
             let target = &mut self.sides[number];
-            let (width, height) = (target.width(), target.height());
-            if !clip(&mut self.points, &mut self.spare, width, height) {
+            let size = target.size();
+            let points = side.project(&local);
+            let outside = outside(&points, size);
+            if outside.contains(&ALL_CORNERS) {
                 continue;
             }
-            // Clipping leaves rounding errors, and 0 / 0 where a polygon touches the eye: `max` and
-            // `min` bring both back into the side.
-            self.corners.clear();
-            self.corners.extend(self.points.iter().map(|p| {
-                let inverse = 1.0 / p.z;
-                [(p.x * inverse).max(0.0).min(width), (p.y * inverse).max(0.0).min(height)]
-            }));
-            let (mut low, mut high) = ([width, height], [0.0f32; 2]);
-            for c in &self.corners {
-                for k in 0..2 {
-                    low[k] = low[k].min(c[k]);
-                    high[k] = high[k].max(c[k]);
+            let inverse = f32x8::ONE / points[2];
+            let whole = Outline::projected(&points, inverse);
+            let before = points[2].cmp_gt(f32x8::ZERO).all();
+            let (outline, nearest);
+            if before && (outside == [0; 4] || whole.is_near(size)) {
+                (outline, nearest) = (whole, greatest(inverse));
+            } else {
+                self.points.clear();
+                let [x, y, z] = [points[0].to_array(), points[1].to_array(), points[2].to_array()];
+                self.points.extend((0..piece.count as usize).map(|k| Vec3::new(x[k], y[k], z[k])));
+                if !clip(&mut self.points, &mut self.spare, size[0], size[1]) {
+                    continue;
                 }
+                outline = Outline::clipped(&self.points, size);
+                nearest = 1.0 / self.points.iter().map(|p| p.z).fold(f32::INFINITY, f32::min);
             }
-            let depth = self.points.iter().map(|p| p.z).fold(f32::INFINITY, f32::min);
-            if !target.covered(low, high, 1.0 / depth) {
-                target.fill(&self.corners, side.nearness(slope), item);
+            let Some(cells) = outline.cells(size) else { continue };
+            if target.covered(cells, nearest) {
+                continue;
             }
+            let Some(slope) = frame.nearness(piece.on, piece.normal) else { return };
+            target.fill(&outline.edges(size[1]), cells, side.nearness(slope), piece.polygon);
         }
     }
 }

@@ -5,6 +5,8 @@
 mod clip;
 mod frame;
 mod item_buffer;
+mod lanes;
+mod outline;
 mod side;
 
 pub use item_buffer::{Cells, ItemBuffer};

@@ -4,12 +4,14 @@
 //! is three numbers there and the nearest one has the largest. Each tile knows the smallest nearness
 //! in it: what lies beyond that everywhere cannot be seen (masked occlusion culling).
 
+use super::lanes::{CENTRES, LANES, all, bits, greatest, least};
+use super::outline::{Cells, Edges};
 use bytemuck::{cast, cast_slice};
 use std::ops::Range;
 use wide::{CmpGt, CmpLt, f32x8, i32x8};
 
 /// Cells on the edge of a tile.
-const TILE: usize = 8;
+const TILE: usize = LANES;
 /// Cells in a tile.
 const CELLS: usize = TILE * TILE;
 /// Marks a cell through which no polygon is seen.
@@ -35,32 +37,17 @@ impl Nearness {
     }
 }
 
-/// First cell whose centre is at or beyond coordinate `v`; 0 for negative numbers and NaN.
-fn first_centre(v: f32) -> usize {
-    // Truncation is rounding down here, and much faster than `ceil` on plain x86-64.
-    (v + 0.5).max(0.0) as i32 as usize
-}
-
-/// The columns `from..to` of a row.
-#[derive(Clone, Copy)]
-struct Span {
-    from: f32,
-    to: f32,
-}
-
-const EMPTY: Span = Span { from: f32::INFINITY, to: f32::NEG_INFINITY };
-
 /// The buffer of one side.
 pub(super) struct Side {
     width: usize,
     height: usize,
+    size: [f32; 2],
     tiles_x: usize,
     nearness: Vec<f32>,
     item: Vec<u32>,
     /// Smallest nearness in each tile; stale where `touched`.
     farthest: Vec<f32>,
     touched: Vec<bool>,
-    spans: Vec<Span>,
 }
 
 impl Side {
@@ -71,12 +58,12 @@ impl Side {
         Self {
             width,
             height,
+            size: [width as f32, height as f32],
             tiles_x,
             nearness: vec![0.0; tiles * CELLS],
             item: vec![NOTHING; tiles * CELLS],
             farthest: vec![0.0; tiles],
             touched: vec![false; tiles],
-            spans: vec![EMPTY; height],
         }
     }
 
@@ -98,12 +85,9 @@ impl Side {
         }
     }
 
-    pub fn width(&self) -> f32 {
-        self.width as f32
-    }
-
-    pub fn height(&self) -> f32 {
-        self.height as f32
+    /// Columns and rows.
+    pub fn size(&self) -> [f32; 2] {
+        self.size
     }
 
     /// Item and nearness of a cell.
@@ -128,18 +112,15 @@ impl Side {
         }
     }
 
-    /// Whether something at least as near as `nearness` covers every cell whose centre is in the
-    /// rectangle (cell coordinates, low and high corner).
-    pub fn covered(&mut self, low: [f32; 2], high: [f32; 2], nearness: f32) -> bool {
-        let cells = |k: usize, size: usize| first_centre(low[k])..first_centre(high[k]).min(size);
-        let (xs, ys) = (cells(0, self.width), cells(1, self.height));
-        if xs.is_empty() || ys.is_empty() {
-            return true;
-        }
+    /// Whether something at least as near as `nearness` covers all of the cells.
+    pub fn covered(&self, cells: Cells, nearness: f32) -> bool {
+        let range = |k: usize| cells.low[k] as usize..cells.high[k] as usize;
+        let (xs, ys) = (range(0), range(1));
         for ty in ys.start / TILE..=(ys.end - 1) / TILE {
             for tx in xs.start / TILE..=(xs.end - 1) / TILE {
                 let tile = ty * self.tiles_x + tx;
-                if self.farthest(tile) < nearness
+                // Where `farthest` is stale, cells have come nearer since.
+                if self.farthest[tile] < nearness
                     && !self.covered_in_tile(tile, [tx * TILE, ty * TILE], &xs, &ys, nearness)
                 {
                     return false;
@@ -164,7 +145,7 @@ impl Side {
         let cells = &self.nearness[tile * CELLS + from * TILE..tile * CELLS + to * TILE];
         let open = cells
             .chunks_exact(TILE)
-            .fold(f32x8::ZERO, |open, row| open | eight(row).cmp_lt(f32x8::splat(nearness)));
+            .fold(f32x8::ZERO, |open, row| open | eight(row).cmp_lt(all(nearness)));
         !(open & inside).any()
     }
 
@@ -174,7 +155,7 @@ impl Side {
             let cells = &self.nearness[tile * CELLS..][..CELLS];
             let least = cells
                 .chunks_exact(TILE)
-                .fold(f32x8::splat(f32::INFINITY), |least, row| least.fast_min(eight(row)));
+                .fold(all(f32::INFINITY), |least, row| least.fast_min(eight(row)));
             self.farthest[tile] = least.to_array().into_iter().fold(f32::INFINITY, f32::min);
         }
         self.farthest[tile]
@@ -182,88 +163,51 @@ impl Side {
 
     /// Draws a convex polygon with corners in cell coordinates, inside the side. A cell belongs to
     /// it if the cell's centre does; centres on an edge go to the polygon on its right.
-    pub fn fill(&mut self, corners: &[[f32; 2]], nearness: Nearness, item: u32) {
-        let Some((top, bottom)) = self.scan(corners) else { return };
-        let mut y = top;
-        while y < bottom {
-            let next = ((y / TILE + 1) * TILE).min(bottom);
-            self.fill_tile_row(y, next, nearness, item);
-            y = next;
+    pub fn fill(&mut self, edges: &Edges, cells: Cells, nearness: Nearness, item: u32) {
+        for ty in cells.low[1] as usize / TILE..=(cells.high[1] as usize - 1) / TILE {
+            let [from, to] = edges.spans(ty * TILE, self.size[0]);
+            let rows = from.cmp_lt(to).move_mask() as u32;
+            if rows != 0 {
+                self.fill_tile_row(ty, rows, [from, to], nearness, item);
+            }
         }
     }
 
-    /// Finds the span of each row; returns the rows that may have one.
-    fn scan(&mut self, corners: &[[f32; 2]]) -> Option<(usize, usize)> {
-        let rows = self.height;
-        let first_row = |y: f32| first_centre(y).min(rows);
-        let (mut low, mut high) = (f32::INFINITY, f32::NEG_INFINITY);
-        for c in corners {
-            low = low.min(c[1]);
-            high = high.max(c[1]);
-        }
-        let (top, bottom) = (first_row(low), first_row(high));
-        if top >= bottom {
-            return None;
-        }
-        self.spans[top..bottom].fill(EMPTY);
-        let mut from = corners[corners.len() - 1];
-        for &to in corners {
-            // From the lower to the higher end, so that neighbours compute the same crossings.
-            let (a, b) = if (from[1], from[0]) <= (to[1], to[0]) { (from, to) } else { (to, from) };
-            let (y0, y1) = (first_row(a[1]), first_row(b[1]));
-            if y0 < y1 {
-                let slope = (b[0] - a[0]) / (b[1] - a[1]);
-                for (y, span) in (y0..y1).zip(&mut self.spans[y0..y1]) {
-                    let x = a[0] + (y as f32 + 0.5 - a[1]) * slope;
-                    span.from = span.from.min(x);
-                    span.to = span.to.max(x);
-                }
-            }
-            from = to;
-        }
-        Some((top, bottom))
-    }
-
-    /// Fills the rows `y0..y1` of one row of tiles.
-    fn fill_tile_row(&mut self, y0: usize, y1: usize, nearness: Nearness, item: u32) {
-        let mut columns = [(0i32, 0i32); TILE];
-        let (mut left, mut right) = (i32::MAX, i32::MIN);
-        let edge = |x: f32| first_centre(x).min(self.width) as i32;
-        for (c, span) in columns.iter_mut().zip(&self.spans[y0..y1]) {
-            *c = (edge(span.from), edge(span.to));
-            if c.0 < c.1 {
-                left = left.min(c.0);
-                right = right.max(c.1);
-            }
-        }
-        if left >= right {
-            return;
-        }
-        let tiles = left as usize / TILE..=(right as usize - 1) / TILE;
-        for tx in tiles {
-            let tile = y0 / TILE * self.tiles_x + tx;
-            let x0 = (tx * TILE) as i32;
-            if self.farthest(tile) >= nearness.largest_in_tile(tx, y0 / TILE) {
+    /// Fills the `rows` of one row of tiles, a bit each, between the columns `from` and `to`.
+    fn fill_tile_row(
+        &mut self,
+        ty: usize,
+        rows: u32,
+        [from, to]: [f32x8; 2],
+        nearness: Nearness,
+        item: u32,
+    ) {
+        let some = from.cmp_lt(to);
+        let first = least(some.blend(from, all(f32::INFINITY))) as usize;
+        let last = greatest(some.blend(to, f32x8::ZERO)) as usize - 1;
+        let (from, to) = (from.to_array(), to.to_array());
+        for tx in first / TILE..=last / TILE {
+            let tile = ty * self.tiles_x + tx;
+            let x0 = (tx * TILE) as f32;
+            if self.farthest(tile) >= nearness.largest_in_tile(tx, ty) {
                 continue;
             }
-            let x = f32x8::splat(x0 as f32) + CENTRES;
-            let along_row = f32x8::splat(nearness.dx) * x;
+            let x = all(x0) + CENTRES;
+            let along_row = all(nearness.dx) * x;
             let mut changed = false;
-            for (y, &(from, to)) in (y0..y1).zip(&columns) {
-                if to <= x0 || from >= x0 + TILE as i32 {
-                    continue;
-                }
-                let at = tile * CELLS + y % TILE * TILE;
+            for row in bits(rows) {
+                let y = ty * TILE + row;
+                let at = tile * CELLS + row * TILE;
                 let start = nearness.base + nearness.dy * (y as f32 + 0.5);
-                let here = f32x8::splat(start) + along_row;
+                let here = all(start) + along_row;
                 let near = eight(&self.nearness[at..at + TILE]);
-                let inside = columns_within(x0 as usize, from as usize, to as usize);
+                let inside = x.cmp_gt(all(from[row])) & x.cmp_lt(all(to[row]));
                 let take = inside & here.cmp_gt(near);
                 if take.any() {
                     let store = &mut self.nearness[at..at + TILE];
                     store.copy_from_slice(&take.blend(here, near).to_array());
                     let items = &mut self.item[at..at + TILE];
-                    let old = i32x8::from(<[i32; TILE]>::try_from(cast_slice(items)).expect("8"));
+                    let old = eight_items(items);
                     let new = cast::<f32x8, i32x8>(take).blend(i32x8::splat(item as i32), old);
                     items.copy_from_slice(cast_slice(&new.to_array()));
                     changed = true;
@@ -274,13 +218,14 @@ impl Side {
     }
 }
 
-/// Centres of a tile's columns.
-const CENTRES: f32x8 = f32x8::new([0.5, 1.5, 2.5, 3.5, 4.5, 5.5, 6.5, 7.5]);
-
 /// Mask of the columns `from..to` in the tile whose first column is `x0`.
 fn columns_within(x0: usize, from: usize, to: usize) -> f32x8 {
-    let relative = |x: usize| f32x8::splat((x as i32 - x0 as i32) as f32);
+    let relative = |x: usize| all((x as i32 - x0 as i32) as f32);
     CENTRES.cmp_gt(relative(from)) & CENTRES.cmp_lt(relative(to))
+}
+
+fn eight_items(row: &[u32]) -> i32x8 {
+    i32x8::from(<[i32; TILE]>::try_from(cast_slice(row)).expect("rows of a tile have eight cells"))
 }
 
 fn eight(row: &[f32]) -> f32x8 {
@@ -290,8 +235,26 @@ fn eight(row: &[f32]) -> f32x8 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::radiosity::hemicube::outline::Outline;
+    use glam::Vec3;
 
     const FLAT: Nearness = Nearness { base: 1.0, dx: 0.0, dy: 0.0 };
+
+    /// Fills a polygon with these corners.
+    fn fill(side: &mut Side, corners: &[[f32; 2]], nearness: Nearness, item: u32) {
+        let points: Vec<Vec3> = corners.iter().map(|c| Vec3::new(c[0], c[1], 1.0)).collect();
+        let size = side.size();
+        let outline = Outline::clipped(&points, size);
+        if let Some(cells) = outline.cells(size) {
+            side.fill(&outline.edges(size[1]), cells, nearness, item);
+        }
+    }
+
+    /// Whether the cells between two points are covered, or there are none.
+    fn covered(side: &Side, low: [f32; 2], high: [f32; 2], nearness: f32) -> bool {
+        let cells = Cells::between(low, high, side.size());
+        cells.is_none_or(|cells| side.covered(cells, nearness))
+    }
 
     fn cells(side: &Side) -> Vec<Vec<u32>> {
         let mut rows = vec![vec![NOTHING; side.width]; side.height];
@@ -310,7 +273,7 @@ mod tests {
             side.clear();
             for k in 0..rim.len() {
                 let i = if reverse { rim.len() - 1 - k } else { k };
-                side.fill(&[hub, rim[i], rim[(i + 1) % rim.len()]], FLAT, i as u32);
+                fill(&mut side, &[hub, rim[i], rim[(i + 1) % rim.len()]], FLAT, i as u32);
             }
             cells(&side)
         };
@@ -327,7 +290,7 @@ mod tests {
             let mut side = Side::new(16, 16);
             side.clear();
             for i in order {
-                side.fill(&quad, if i == 0 { FLAT } else { slope }, i);
+                fill(&mut side, &quad, if i == 0 { FLAT } else { slope }, i);
             }
             for row in cells(&side) {
                 assert!(row[..8].iter().all(|&i| i == 0) && row[8..].iter().all(|&i| i == 1));
@@ -339,14 +302,14 @@ mod tests {
     fn coverage_needs_every_cell() {
         let mut side = Side::new(20, 12);
         side.clear();
-        side.fill(&[[0.0, 0.0], [19.0, 0.0], [19.0, 12.0], [0.0, 12.0]], FLAT, 0);
-        assert!(side.covered([0.0, 0.0], [15.0, 11.0], 0.9));
-        assert!(!side.covered([0.0, 0.0], [15.0, 11.0], 1.1));
-        assert!(!side.covered([0.0, 0.0], [20.0, 11.0], 0.9));
-        assert!(side.covered([16.0, 1.0], [19.4, 11.0], 0.9), "no centre right of column 18");
-        assert!(!side.covered([16.0, 1.0], [19.6, 11.0], 0.9));
-        side.fill(&[[19.0, 0.0], [20.0, 0.0], [20.0, 12.0], [19.0, 12.0]], FLAT, 0);
-        assert!(side.covered([f32::NEG_INFINITY, -3.0], [f32::INFINITY, 99.0], 0.9));
+        fill(&mut side, &[[0.0, 0.0], [19.0, 0.0], [19.0, 12.0], [0.0, 12.0]], FLAT, 0);
+        assert!(covered(&side, [0.0, 0.0], [15.0, 11.0], 0.9));
+        assert!(!covered(&side, [0.0, 0.0], [15.0, 11.0], 1.1));
+        assert!(!covered(&side, [0.0, 0.0], [20.0, 11.0], 0.9));
+        assert!(covered(&side, [16.0, 1.0], [19.4, 11.0], 0.9), "no centre right of column 18");
+        assert!(!covered(&side, [16.0, 1.0], [19.6, 11.0], 0.9));
+        fill(&mut side, &[[19.0, 0.0], [20.0, 0.0], [20.0, 12.0], [19.0, 12.0]], FLAT, 0);
+        assert!(covered(&side, [f32::NEG_INFINITY, -3.0], [f32::INFINITY, 99.0], 0.9));
     }
 
     #[test]
@@ -354,12 +317,13 @@ mod tests {
         let mut side = Side::new(10, 10);
         side.clear();
         let (nan, inf) = (f32::NAN, f32::INFINITY);
-        side.fill(&[[nan, nan], [1.0, inf], [-inf, 3.0]], FLAT, 0);
-        side.fill(
+        fill(&mut side, &[[nan, nan], [1.0, inf], [-inf, 3.0]], FLAT, 0);
+        fill(
+            &mut side,
             &[[-inf, -inf], [inf, -inf], [inf, inf]],
             Nearness { base: nan, dx: inf, dy: 0.0 },
             1,
         );
-        side.covered([nan, nan], [nan, inf], 1.0);
+        covered(&side, [nan, nan], [nan, inf], 1.0);
     }
 }

@@ -16,7 +16,8 @@ impl Transfers {
                 chunk.distances.iter().flat_map(|d| [d.openness, d.nearest]).collect();
             put(&mut bytes, &distances, LittleEndian::write_f32_into);
             put(&mut bytes, &chunk.ends, LittleEndian::write_u32_into);
-            put(&mut bytes, &chunk.steps, LittleEndian::write_u16_into);
+            put(&mut bytes, &chunk.run_ends, LittleEndian::write_u32_into);
+            put(&mut bytes, chunk.runs.as_flattened(), LittleEndian::write_u16_into);
             put(&mut bytes, &chunk.weights, LittleEndian::write_f32_into);
         }
         bytes
@@ -31,13 +32,19 @@ impl Transfers {
     /// Whether every index is that of something that is there.
     fn is_whole(&self, patches: usize) -> bool {
         let rows_of = |chunk: &Chunk| {
-            let ends = &chunk.ends;
-            ends.len() <= CHUNK
-                && ends.len() == chunk.distances.len()
-                && ends.is_sorted()
-                && ends.last().copied().unwrap_or(0) as usize == chunk.steps.len()
-                && chunk.steps.len() == chunk.weights.len()
-                && (0..ends.len()).all(|i| last_column(chunk.row(i).0) < patches as u64)
+            let rows = chunk.distances.len();
+            let are_whole = |ends: &[u32], count: usize| {
+                let last = ends.last().copied().unwrap_or(0) as usize;
+                ends.len() == rows && ends.is_sorted() && last == count
+            };
+            let are_columns = |(runs, weights): (&[[u16; 2]], &[f32])| {
+                let entries: u64 = runs.iter().map(|r| u64::from(r[1])).sum();
+                entries == weights.len() as u64 && last_column(runs) <= patches as u64
+            };
+            rows <= CHUNK
+                && are_whole(&chunk.ends, chunk.weights.len())
+                && are_whole(&chunk.run_ends, chunk.runs.len())
+                && (0..rows).all(|i| are_columns(chunk.row(i)))
                 && chunk.weights.iter().all(|w| w.is_finite())
         };
         let is_row = |&at: &u32| {
@@ -52,9 +59,9 @@ impl Transfers {
     }
 }
 
-/// The column that the steps of a row lead to.
-fn last_column(steps: &[u16]) -> u64 {
-    steps.iter().map(|&s| u64::from(s)).sum()
+/// The column after the runs of a row.
+fn last_column(runs: &[[u16; 2]]) -> u64 {
+    runs.as_flattened().iter().map(|&n| u64::from(n)).sum()
 }
 
 fn put_length(bytes: &mut Vec<u8>, length: usize) {
@@ -82,7 +89,8 @@ fn read(bytes: &mut &[u8]) -> io::Result<Transfers> {
                 .map(|&[openness, nearest]| Distances { openness, nearest })
                 .collect(),
             ends: get(bytes, LittleEndian::read_u32_into)?,
-            steps: get(bytes, LittleEndian::read_u16_into)?,
+            run_ends: get(bytes, LittleEndian::read_u32_into)?,
+            runs: get(bytes, LittleEndian::read_u16_into)?.as_chunks::<2>().0.to_vec(),
             weights: get(bytes, LittleEndian::read_f32_into)?,
             overlay: Vec::new(),
         });

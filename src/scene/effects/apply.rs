@@ -3,6 +3,7 @@
 use super::{Effect, Switches};
 use crate::photometry::{Exitance, Reflectance};
 use crate::scene::exact::brightness;
+use crate::scene::shading::Shading;
 use crate::scene::{
     AutoMinlight, Emitter, Light, Model, RadiosityLight, Role, Sun, Surface, WorldSettings,
 };
@@ -18,6 +19,7 @@ pub(crate) struct Parts<'a> {
     pub suns: &'a mut Vec<Sun>,
     pub emitters: &'a mut Vec<Emitter>,
     pub world: &'a mut WorldSettings,
+    pub shadings: &'a mut Vec<Option<Shading>>,
 }
 
 /// Takes out what is switched off, and suns that no sky lets through.
@@ -69,6 +71,12 @@ pub(crate) fn apply(switches: &Switches, parts: &mut Parts<'_>) {
         parts.world.bounce.most = Some(0);
     }
     parts.remove_filters(switches);
+    if off(Effect::Curtains) {
+        parts.surfaces.iter_mut().for_each(|s| s.diffuse = None);
+    }
+    if off(Effect::Shaders) {
+        parts.shadings.iter_mut().flatten().for_each(Shading::make_even);
+    }
     if off(Effect::Colour) {
         parts.remove_colour();
     }
@@ -120,6 +128,7 @@ impl Parts<'_> {
             grey(&mut surface.minlight.colour);
             // Pictures and glass may still colour the light on its way.
             surface.colour_scale = 0.0;
+            surface.diffuse.iter_mut().for_each(grey);
             surface.minlight.glow.iter_mut().for_each(|glow| grey(&mut glow.colour));
         }
     }

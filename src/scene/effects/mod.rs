@@ -42,6 +42,10 @@ pub enum Effect {
     Glass,
     /// Shadows that are switched, or fall on some models only
     ModelShadows,
+    /// Light that leaves the other side of curtains and paper in all directions
+    Curtains,
+    /// Reflectance that varies over a surface
+    Shaders,
     /// Light that surfaces send back
     Bounces,
     /// Luxels that look for themselves where the points around them disagree

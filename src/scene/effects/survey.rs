@@ -4,6 +4,7 @@ use super::apply::kind_of_filter;
 use super::{Effect, Entry, Plan};
 use crate::lightmap::Gather;
 use crate::outputs::LitFile;
+use crate::scene::shading::Shading;
 use crate::scene::{AutoMinlight, Role, Scene, Surface};
 use crate::settings::Settings;
 use clap::ValueEnum;
@@ -70,6 +71,11 @@ impl Survey<'_> {
                 self.faces(|s| s.curved, "faces with smoothed normals", "no face asks for _phong")
             }
             Effect::Fences | Effect::Glass | Effect::ModelShadows => self.filters(effect),
+            Effect::Curtains => self.textured(
+                |s, _| s.diffuse.is_some_and(|t| t != Vec3::ZERO),
+                "nothing lets light through diffusely",
+            ),
+            Effect::Shaders => self.shaders(),
             Effect::Bounces => self.bounces(),
             Effect::NearField => self.near_field(),
             Effect::Supersampling => {
@@ -159,6 +165,10 @@ impl Survey<'_> {
             false => (false, "no bounce off coloured faces".into()),
         };
         let glass = self.filters(Effect::Glass).0;
+        let through = |s: &Surface| s.diffuse.is_some_and(|t| !is_grey(t));
+        let (by_curtains, curtains) =
+            self.faces(through, "faces that light comes through coloured", "");
+        let shaders = self.scene.shadings.iter().flatten().filter(|s| s.is_coloured()).count();
         let own = |s: &Surface| {
             let glow = s.minlight.glow.is_some_and(|g| !is_grey(g.colour));
             s.luxels.is_some() && (glow || s.minlight.level > 0.0 && !is_grey(s.minlight.colour))
@@ -166,8 +176,18 @@ impl Survey<'_> {
         let (by_minlight, minlight) = self.faces(own, "faces with coloured minlight", "");
         let mut reasons = vec![lights, faces];
         reasons.extend(by_minlight.then_some(minlight));
+        reasons.extend(by_curtains.then_some(curtains));
+        reasons.extend((shaders > 0).then(|| format!("faces with coloured patterns: {shaders}")));
         reasons.extend(glass.then(|| "glass".to_owned()));
-        (by_light || by_faces || by_minlight || glass, reasons.join("; "))
+        let on = by_light || by_faces || by_minlight || by_curtains || shaders > 0 || glass;
+        (
+            on,
+            format!(
+                "{}: {}",
+                if on { "three channels" } else { "one channel" },
+                reasons.join("; ")
+            ),
+        )
     }
 
     fn styles(&self) -> Finding {
@@ -234,6 +254,14 @@ impl Survey<'_> {
         };
         let own = |s: &Surface, _: &str| s.role == Role::Filter && kind_of_filter(s) == effect;
         self.textured(own, none)
+    }
+
+    fn shaders(&self) -> Finding {
+        let Scene { surfaces, shadings, names, .. } = self.scene;
+        let uneven = |i: &usize| shadings[*i].as_ref().is_some_and(Shading::is_uneven);
+        let own = (0..shadings.len()).filter(uneven);
+        let places = own.map(|i| format!("{} on {}", place(middle(&surfaces[i])), names[i]));
+        counted(places, "faces of uneven reflectance", "every face reflects alike all over")
     }
 
     fn bounces(&self) -> Finding {

@@ -72,6 +72,9 @@ fn needs(effect: Effect) -> Option<&'static str> {
         Effect::Fences | Effect::Glass | Effect::ModelShadows => {
             Some("only brush models of the map can ask for this")
         }
+        Effect::Curtains | Effect::Shaders => {
+            Some("only a material file or a text scene can ask for this")
+        }
         Effect::FaceStyles => Some("say how many: --facestyles 8"),
         Effect::LuxelSizes => Some("say how large: --world_units_per_luxel 8"),
         Effect::LightGrid => Some("say so with --lightgrid"),

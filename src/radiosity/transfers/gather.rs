@@ -1,0 +1,126 @@
+//! Light over rows of form factors: what patches receive of each other.
+
+use super::{CHUNK, Chunk, Transfers};
+use glam::{DVec3, Vec3};
+use rayon::prelude::*;
+
+/// Lists of light that one reading of the rows serves; more keep the processor's registers too busy.
+pub(in crate::radiosity) const AT_A_TIME: usize = 4;
+
+impl Transfers {
+    /// Irradiance at each patch when patch j has exitance `exitance[j]`: E_i = sum_j F_ij M_j.
+    pub fn gather(&self, exitance: &[DVec3]) -> Vec<DVec3> {
+        let exitance: Vec<[f64; 3]> = exitance.iter().map(DVec3::to_array).collect();
+        let mut received = self.gather_all(&[&exitance]);
+        received.pop().into_iter().flatten().map(DVec3::from_array).collect()
+    }
+
+    /// The same for many lists of exitance of `C` channels, 1 to 3. Each comes out as if it were alone;
+    /// rows are read once for several.
+    pub fn gather_all<const C: usize>(&self, exitance: &[&[[f64; C]]]) -> Vec<Vec<[f64; C]>> {
+        let some = |lists: &[&[[f64; C]]]| match *lists {
+            [] => Vec::new(),
+            [a] => self.gather_some([a]),
+            [a, b] => self.gather_some([a, b]),
+            [a, b, c] => self.gather_some([a, b, c]),
+            [a, b, c, d, ..] => self.gather_some([a, b, c, d]),
+        };
+        exitance.chunks(AT_A_TIME).flat_map(some).collect()
+    }
+
+    fn gather_some<const C: usize, const S: usize>(
+        &self,
+        lists: [&[[f64; C]]; S],
+    ) -> Vec<Vec<[f64; C]>> {
+        // Side by side in memory, as they are read.
+        let light: Vec<[[f64; C]; S]> =
+            (0..self.rows()).map(|j| lists.map(|list| list[j])).collect();
+        let rows: Vec<Vec<[[f64; C]; S]>> = self
+            .chunks
+            .par_iter()
+            .map(|chunk| {
+                let mut rows: Vec<_> =
+                    (0..chunk.ends.len()).map(|i| chunk.sum(i, &light)).collect();
+                for (sum, row) in rows.iter_mut().zip(&chunk.overlay) {
+                    add(sum, &overlay_sum(row, &light));
+                }
+                rows
+            })
+            .collect();
+        let row = |at: u32| &rows[at as usize / CHUNK][at as usize % CHUNK];
+        (0..S).map(|s| self.row_of.iter().map(|&at| row(at)[s]).collect()).collect()
+    }
+
+    /// What an overlay adds to form factors, all of it.
+    pub(in crate::radiosity) fn overlay(&self) -> impl Iterator<Item = Vec3> + '_ {
+        self.chunks.iter().flat_map(|c| &c.overlay).flatten().map(|&(_, f)| f)
+    }
+}
+
+impl Chunk {
+    /// Sum of weight times light over a row.
+    pub(super) fn sum<const C: usize, const S: usize>(
+        &self,
+        i: usize,
+        light: &[[[f64; C]; S]],
+    ) -> [[f64; C]; S] {
+        let (runs, mut weights) = self.row(i);
+        // Several sums at a time: each addition would wait for the one before.
+        let mut sums = [[[0.0; C]; S]; 4];
+        let mut column = 0;
+        for &[skip, length] in runs {
+            let (first, length) = (column + usize::from(skip), usize::from(length));
+            column = first + length;
+            let (own, rest) = weights.split_at(length);
+            weights = rest;
+            let (by_four, last) = light[first..column].as_chunks::<4>();
+            let (own_by_four, own_last) = own.as_chunks::<4>();
+            for (light, weights) in by_four.iter().zip(own_by_four) {
+                for k in 0..4 {
+                    add_scaled(&mut sums[k], &light[k], weights[k]);
+                }
+            }
+            for ((sum, light), &weight) in sums.iter_mut().zip(last).zip(own_last) {
+                add_scaled(sum, light, weight);
+            }
+        }
+        let [mut a, b, mut c, d] = sums;
+        add(&mut a, &b);
+        add(&mut c, &d);
+        add(&mut a, &c);
+        a
+    }
+}
+
+/// Sum over what an overlay adds to a row.
+fn overlay_sum<const C: usize, const S: usize>(
+    row: &[(u32, Vec3)],
+    light: &[[[f64; C]; S]],
+) -> [[f64; C]; S] {
+    let mut sum = [[0.0; C]; S];
+    for &(j, f) in row {
+        for (sum, light) in sum.iter_mut().zip(&light[j as usize]) {
+            for (c, (sum, light)) in sum.iter_mut().zip(light).enumerate() {
+                *sum += light * f64::from(f[c]);
+            }
+        }
+    }
+    sum
+}
+
+fn add_scaled<const C: usize, const S: usize>(
+    sum: &mut [[f64; C]; S],
+    light: &[[f64; C]; S],
+    weight: f32,
+) {
+    let weight = f64::from(weight);
+    for (sum, light) in sum.as_flattened_mut().iter_mut().zip(light.as_flattened()) {
+        *sum += light * weight;
+    }
+}
+
+fn add<const C: usize, const S: usize>(sum: &mut [[f64; C]; S], more: &[[f64; C]; S]) {
+    for (sum, more) in sum.as_flattened_mut().iter_mut().zip(more.as_flattened()) {
+        *sum += more;
+    }
+}
