@@ -112,6 +112,8 @@ fn few_luxels_differ_and_most_rays_are_saved() {
 #[test]
 fn four_samples_a_luxel_and_dirt_agree_too() {
     agrees(&compare(&own_map("atrium"), 2, 5, &[]), 5000, 0.005);
+    // A dome of suns, all of whose light dirt bends alike.
+    agrees(&compare(&own_map("atrium"), 4, 6, &[("_dirt", "1")]), 2000, 0.005);
     agrees(&compare(&own_map("effects_all"), 4, 1, &[("_dirt", "1")]), 5000, 0.005);
 }
 

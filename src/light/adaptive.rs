@@ -6,7 +6,7 @@
 use super::cells::{CellSums, Cells};
 use super::source::{Source, want};
 use super::wanted::Wanted;
-use crate::scene::Arrival;
+use crate::scene::{Arrival, DirtKeys};
 use glam::Vec3;
 
 /// Share of its light by which a shadow's rim is off where only the corners of a cell are known, root
@@ -98,10 +98,10 @@ pub(super) fn light_cells(
     for (at, (cell, verdict)) in cells.cells().iter().zip(verdicts).enumerate() {
         match verdict {
             Verdict::Dark => {}
-            Verdict::Linear(arrivals) => {
+            Verdict::Linear(arrivals, keys) => {
                 let given =
                     |k: usize| arrivals[k].map(|a| source.given(cell.corners[k] as usize, a));
-                sums.add_cell(cells, at, [0, 1, 2, 3].map(given));
+                sums.add_cell(cells, at, [0, 1, 2, 3].map(given), (source, keys));
             }
             Verdict::Lit => {
                 for &i in cells.fine.members(&cells.fine.all()[at]) {
@@ -145,8 +145,8 @@ pub(super) fn light_cells(
 enum Verdict {
     /// None arrives.
     Dark,
-    /// What arrives is linear between the corners.
-    Linear([Option<Arrival>; 4]),
+    /// What arrives is linear between the corners, dirt by some keys aside.
+    Linear([Option<Arrival>; 4], DirtKeys),
     /// All arrives, but varies.
     Lit,
     /// Some arrives.
@@ -155,6 +155,12 @@ enum Verdict {
 
 fn plain(colour: Vec3) -> Arrival {
     Arrival { colour, style: None }
+}
+
+/// By how much the light that arrives at a sample is to be multiplied to take dirt out of it.
+pub(super) fn clean_again(source: &impl Source, sample: u32) -> f32 {
+    // No light passes complete dirt.
+    source.share_left(sample as usize).max(f32::EPSILON).recip()
 }
 
 fn judge(
@@ -194,25 +200,33 @@ fn judge(
     });
     if !whole {
         let brightest = brightest();
-        return if leeway.takes(at, brightest) { Verdict::Linear(arrived) } else { Verdict::Mixed };
+        return match source.dirt() {
+            Some(keys) if leeway.takes(at, brightest) => Verdict::Linear(arrived, keys),
+            _ => Verdict::Mixed,
+        };
     }
     if !is_open && odd(true) {
         return Verdict::Mixed;
     }
+    let Some(keys) = source.dirt() else { return Verdict::Lit };
     if source.is_even() {
-        return Verdict::Linear(arrived);
+        return Verdict::Linear(arrived, keys);
     }
-    let colours = sent.map(Option::unwrap_or_default);
+    let clean = |i: u32, colour: Vec3| colour * clean_again(source, i);
+    let colours =
+        [0, 1, 2, 3].map(|k| sent[k].map_or(Vec3::ZERO, |colour| clean(cell.corners[k], colour)));
     let (low, high) = colours
         .iter()
         .fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(a, b), c| (a.min(*c), b.max(*c)));
     if leeway.levels(high - low) <= STEADY {
-        return Verdict::Linear(arrived);
+        return Verdict::Linear(arrived, keys);
     }
     let w = cell.weights(cell.middle);
     let expected = (0..4).fold(Vec3::ZERO, |sum, k| sum + colours[k] * w[k]);
     match there.or_else(|| source.sent(middle)) {
-        Some(there) if leeway.levels(there - expected) <= LINEAR => Verdict::Linear(arrived),
+        Some(there) if leeway.levels(clean(cell.middle, there) - expected) <= LINEAR => {
+            Verdict::Linear(arrived, keys)
+        }
         _ => Verdict::Lit,
     }
 }

@@ -6,7 +6,7 @@ use super::tiles::{Tile, Tiles};
 use super::wanted::Wanted;
 use super::{Blockers, BoundingSphere, FEW_RAYS, FaceDirt, MANY_RAYS, attenuation, point};
 use crate::scene::exact::{brightness, distance, length};
-use crate::scene::{Arrival, LightRays, Reach, Sample, Scene, Surface};
+use crate::scene::{Arrival, DirtKeys, LightRays, Reach, Sample, Scene, Surface};
 use glam::Vec3;
 
 /// A light as one surface sees it.
@@ -121,5 +121,14 @@ impl Source for Beam<'_, '_> {
 
     fn is_even(&self) -> bool {
         false
+    }
+
+    fn dirt(&self) -> Option<DirtKeys> {
+        let keys = self.scene.lights[self.light].dirt;
+        (keys.radii.is_none() || self.dirt.is_none()).then_some(keys)
+    }
+
+    fn share_left(&self, i: usize) -> f32 {
+        self.dirt.factor(i, &self.scene.lights[self.light].dirt, 0.0)
     }
 }

@@ -1,11 +1,13 @@
 //! The cells of a surface whose light is supersampled: the samples of one luxel each. What varies
 //! little within a cell is found at its four corners only, which are samples too.
 
-use super::StyleLight;
+use super::adaptive::clean_again;
+use super::source::Source;
 use super::sums::{Given, Sums, slot};
 use super::tiles::{Item, Tiles};
+use super::{FaceDirt, StyleLight};
 use crate::photometry::Irradiance;
-use crate::scene::Sample;
+use crate::scene::{DirtKeys, Sample};
 use glam::Vec3;
 
 /// The cells of a surface.
@@ -151,24 +153,36 @@ impl Cell {
     }
 }
 
-/// Light at the corners of cells, on its way to the sums at samples.
+/// Light at the corners of cells, on its way to the sums at samples. Dirt comes last: it would bend
+/// what is linear, and the light of all suns alike.
 #[derive(Default)]
 pub(super) struct CornerSums {
-    styles: Vec<(u16, Vec<[Vec3; 4]>)>,
+    styles: Vec<((u16, DirtKeys), Vec<[Vec3; 4]>)>,
 }
 
 impl CornerSums {
-    fn add(&mut self, style: u16, cells: usize, cell: usize, corner: usize, colour: Vec3) {
-        let slot = self.styles.iter().position(|s| s.0 == style).unwrap_or_else(|| {
-            self.styles.push((style, vec![[Vec3::ZERO; 4]; cells]));
+    fn add(
+        &mut self,
+        kind: (u16, DirtKeys),
+        cells: usize,
+        (cell, corner): (usize, usize),
+        colour: Vec3,
+    ) {
+        let slot = self.styles.iter().position(|s| s.0 == kind).unwrap_or_else(|| {
+            self.styles.push((kind, vec![[Vec3::ZERO; 4]; cells]));
             self.styles.len() - 1
         });
         self.styles[slot].1[cell][corner] += colour;
     }
 
-    /// Spreads the light over the free samples of the cells.
-    pub fn spread(&self, cells: &Cells, count: usize, styles: &mut Vec<StyleLight>) {
-        for (style, corners) in &self.styles {
+    /// Spreads the light over the free samples of the cells, and takes away what dirt does.
+    pub fn spread(
+        &self,
+        cells: &Cells,
+        (count, dirt): (usize, &FaceDirt),
+        styles: &mut Vec<StyleLight>,
+    ) {
+        for ((style, keys), corners) in &self.styles {
             let slot = slot(styles, *style, count);
             let sums = &mut styles[slot].irradiance;
             for ((cell, tile), corners) in cells.cells.iter().zip(cells.fine.all()).zip(corners) {
@@ -177,12 +191,11 @@ impl CornerSums {
                 }
                 for &i in cells.fine.members(tile) {
                     let w = cell.weights(i);
-                    sums[i as usize] += Irradiance(
-                        corners[0] * w[0]
-                            + corners[1] * w[1]
-                            + corners[2] * w[2]
-                            + corners[3] * w[3],
-                    );
+                    let light = corners[0] * w[0]
+                        + corners[1] * w[1]
+                        + corners[2] * w[2]
+                        + corners[3] * w[3];
+                    sums[i as usize] += Irradiance(light * dirt.factor(i as usize, keys, 0.0));
                 }
             }
         }
@@ -197,21 +210,29 @@ pub(super) struct CellSums<'a, 's> {
 }
 
 impl CellSums<'_, '_> {
-    /// Adds what the corners of a cell are given.
-    pub fn add_cell(&mut self, cells: &Cells, cell: usize, given: [Option<Given>; 4]) {
+    /// Adds what the corners of a cell are given by a source whose dirt does not depend on distance.
+    pub fn add_cell(
+        &mut self,
+        cells: &Cells,
+        cell: usize,
+        given: [Option<Given>; 4],
+        (source, keys): (&impl Source, DirtKeys),
+    ) {
         let (count, all) = (self.sums.count, cells.cells.len());
         for (corner, given) in given.iter().enumerate() {
             let Some(given) = given else { continue };
+            let clean = clean_again(source, cells.cells[cell].corners[corner]);
+            let kind = (given.style, keys);
             // Styles keep the order in which they come up.
             slot(self.sums.styles, given.style, count);
-            self.styles.add(given.style, all, cell, corner, given.colour);
+            self.styles.add(kind, all, (cell, corner), given.colour * clean);
             if given.excess != Vec3::ZERO {
-                self.excess.add(given.style, all, cell, corner, given.excess);
+                self.excess.add(kind, all, (cell, corner), given.excess * clean);
             }
             if self.sums.directions.are_wanted() {
                 for &i in cells.fine.members(&cells.fine.all()[cell]) {
                     let share = cells.cells[cell].weights(i)[corner];
-                    let colour = given.colour * share;
+                    let colour = given.colour * (clean * share * source.share_left(i as usize));
                     let at = (i as usize, count);
                     self.sums.directions.add(given.style, at, given.way, colour);
                 }

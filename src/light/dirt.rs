@@ -11,10 +11,10 @@ use std::f64::consts::TAU;
 
 /// Most samples of a tile whose rays are looked at together.
 const MOST_AT_ONCE: usize = 256;
-/// Dirt that varies less between the corners of a cell counts as linear there, of all that can be.
+/// Dirt that varies less between the corners of a cell counts as linear there, as a share of light.
 const STEADY: f32 = 0.015;
 /// The same where a cell's middle is known too, of how far that is from linear.
-const LINEAR: f32 = 0.015;
+const LINEAR: f32 = 0.0125;
 /// Azimuths of the fixed directions.
 const AZIMUTHS: u32 = 16;
 /// Elevations of the fixed directions at each azimuth.
@@ -45,6 +45,7 @@ impl FaceDirt {
         }
         let mut room = Room {
             depth: settings.depth,
+            scale: settings.scale.max(1.0),
             mask: surface.channel_mask,
             samples,
             sums: vec![0.0; samples.len()],
@@ -144,6 +145,8 @@ fn direction(azimuth: f64, elevation: f64) -> Vec3 {
 struct Room<'a, 's> {
     /// How far to look, in world units.
     depth: f32,
+    /// Light lost where there is no room at all, at least 1.
+    scale: f32,
     /// Channels of the surface.
     mask: i32,
     samples: &'a [Sample],
@@ -162,12 +165,13 @@ impl Room<'_, '_> {
     fn trace_cells(&mut self, cells: &Cells, directions: &[Vec3]) {
         let Some(whole) = cells.coarse.whole() else { return };
         self.trace((&cells.coarse, whole), |i| cells.is_corner[i as usize], directions);
-        let all = self.depth * directions.len() as f32;
+        // What is off here is so in all light, however many sources it comes from.
+        let light = self.depth * directions.len() as f32 / self.scale;
         let corners = |sums: &[f32], k: usize| {
             let room = cells.cells()[k].corners.map(|i| sums[i as usize]);
             let (low, high) =
                 room.iter().fold((f32::INFINITY, 0.0_f32), |(a, b), r| (a.min(*r), b.max(*r)));
-            (room, high - low > STEADY * all)
+            (room, high - low > STEADY * light)
         };
         let varied: Vec<bool> =
             (0..cells.cells().len()).map(|k| corners(&self.sums, k).1).collect();
@@ -185,7 +189,7 @@ impl Room<'_, '_> {
             let bulge =
                 if varied[k] { self.sums[cell.middle as usize] - linear(cell.middle) } else { 0.0 };
             let is_between = |i: u32| !is_known[i as usize];
-            if bulge.abs() > LINEAR * all {
+            if bulge.abs() > LINEAR * light {
                 self.trace((&cells.fine, tile), is_between, directions);
                 continue;
             }

@@ -162,7 +162,7 @@ fn light(
         totals.add(&mut beam, sun.brightness > 0.0, &points, &mut wanted);
         since.count(&rays, if sun.dome { &mut counts.sky_domes } else { &mut counts.suns });
     }
-    totals.spread(&points);
+    totals.spread(&points, &dirt);
     for light in &scene.radiosity_lights {
         let receiver = (surface, &sphere);
         let sums = (&mut result.styles, &mut result.excess, &mut result.directions);

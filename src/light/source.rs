@@ -3,7 +3,7 @@
 use super::sums::{Given, Sums};
 use super::tiles::{Tile, Tiles};
 use super::wanted::Wanted;
-use crate::scene::Arrival;
+use crate::scene::{Arrival, DirtKeys};
 use glam::Vec3;
 
 /// A light as one surface sees it.
@@ -17,8 +17,14 @@ pub(super) trait Source {
     /// What an arrival at a sample adds to the light there.
     fn given(&self, sample: usize, arrival: Arrival) -> Given;
 
-    /// Whether it sends the same to every sample.
+    /// Whether it sends the same to every sample, dirt aside.
     fn is_even(&self) -> bool;
+
+    /// By which keys dirt weakens it, whatever the distance; `None` if the distance matters.
+    fn dirt(&self) -> Option<DirtKeys>;
+
+    /// Share of it that dirt leaves at a sample, 0 to 1, where the distance does not matter.
+    fn share_left(&self, sample: usize) -> f32;
 }
 
 /// Wants light at some samples; whether any of them may get some.

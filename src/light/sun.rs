@@ -109,6 +109,14 @@ impl Source for SunBeam<'_, '_> {
     }
 
     fn is_even(&self) -> bool {
-        !self.surface.curved && (!self.keys.wanted || self.dirt.is_none())
+        !self.surface.curved
+    }
+
+    fn dirt(&self) -> Option<DirtKeys> {
+        Some(self.keys)
+    }
+
+    fn share_left(&self, i: usize) -> f32 {
+        self.dirt.factor(i, &self.keys, 0.0)
     }
 }

@@ -6,7 +6,7 @@ use super::source::{Source, light_all};
 use super::sums::Sums;
 use super::tiles::{Tile, Tiles};
 use super::wanted::Wanted;
-use super::{DirectLight, Directions, StyleLight};
+use super::{DirectLight, Directions, FaceDirt, StyleLight};
 use crate::scene::{Sample, Scene, Surface};
 
 /// How the samples of a surface are looked at.
@@ -105,11 +105,11 @@ impl<'a> Totals<'a> {
         }
     }
 
-    /// Gives the samples of cells what their corners got.
-    pub fn spread(self, points: &LitPoints) {
+    /// Gives the samples of cells what their corners got, under some dirt.
+    pub fn spread(self, points: &LitPoints, dirt: &FaceDirt) {
         if let LitPoints::Cells(cells) = points {
             for (corners, sums) in self.corners.iter().zip(self.sums) {
-                corners.spread(cells, self.count, sums);
+                corners.spread(cells, (self.count, dirt), sums);
             }
         }
     }
