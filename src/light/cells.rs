@@ -153,26 +153,23 @@ impl Cell {
     }
 }
 
+/// Light of one style that dirt weakens by the same keys.
+type Kind = (u16, DirtKeys);
+
 /// Light at the corners of cells, on its way to the sums at samples. Dirt comes last: it would bend
 /// what is linear, and the light of all suns alike.
 #[derive(Default)]
 pub(super) struct CornerSums {
-    styles: Vec<((u16, DirtKeys), Vec<[Vec3; 4]>)>,
+    kinds: Vec<(Kind, Vec<[Vec3; 4]>)>,
 }
 
 impl CornerSums {
-    fn add(
-        &mut self,
-        kind: (u16, DirtKeys),
-        cells: usize,
-        (cell, corner): (usize, usize),
-        colour: Vec3,
-    ) {
-        let slot = self.styles.iter().position(|s| s.0 == kind).unwrap_or_else(|| {
-            self.styles.push((kind, vec![[Vec3::ZERO; 4]; cells]));
-            self.styles.len() - 1
+    fn add(&mut self, kind: Kind, cells: usize, (cell, corner): (usize, usize), colour: Vec3) {
+        let slot = self.kinds.iter().position(|k| k.0 == kind).unwrap_or_else(|| {
+            self.kinds.push((kind, vec![[Vec3::ZERO; 4]; cells]));
+            self.kinds.len() - 1
         });
-        self.styles[slot].1[cell][corner] += colour;
+        self.kinds[slot].1[cell][corner] += colour;
     }
 
     /// Spreads the light over the free samples of the cells, and takes away what dirt does.
@@ -182,7 +179,7 @@ impl CornerSums {
         (count, dirt): (usize, &FaceDirt),
         styles: &mut Vec<StyleLight>,
     ) {
-        for ((style, keys), corners) in &self.styles {
+        for ((style, keys), corners) in &self.kinds {
             let slot = slot(styles, *style, count);
             let sums = &mut styles[slot].irradiance;
             for ((cell, tile), corners) in cells.cells.iter().zip(cells.fine.all()).zip(corners) {
