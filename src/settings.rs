@@ -101,6 +101,8 @@ pub struct Settings {
     pub residual: f64,
     /// Samples a luxel and blur.
     pub smoothing: Smoothing,
+    /// Every sample of direct light is traced, also where that makes little difference.
+    pub exact_extra: bool,
     /// How indirect light gets to luxels.
     pub gather: Gather,
     /// Error that interpolation may make, above 0: see [`GatherSettings::error`].
@@ -157,6 +159,7 @@ impl Settings {
             bounces: None,
             residual: 1e-5,
             smoothing: Smoothing { extra: 1, soft: 0 },
+            exact_extra: false,
             gather: quality.gather(),
             gather_error: quality.gather_error(),
             share: quality.share(),

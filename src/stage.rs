@@ -85,7 +85,12 @@ pub(crate) fn direct(
                 } else {
                     Directions::default()
                 };
-                let light = light::direct_from(scene, face, samples, directions, blockers);
+                let extra = settings.smoothing.extra;
+                let light = if settings.exact_extra || extra == 1 {
+                    light::direct_from(scene, face, samples, directions, blockers)
+                } else {
+                    light::direct_adaptive(scene, face, (samples, extra), directions, blockers)
+                };
                 stage.advance(1);
                 light
             },

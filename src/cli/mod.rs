@@ -53,6 +53,10 @@ pub struct Cli {
     #[arg(long, help_heading = "Direct light")]
     pub extra4: bool,
 
+    /// Trace every sample of --extra and --extra4, also where its neighbours agree
+    #[arg(long, help_heading = "Direct light")]
+    pub exact_extra: bool,
+
     /// Blur by N samples [without a number: 1 with --extra, 2 with --extra4, else 0]
     #[arg(long, value_name = "N", num_args = 0..=1, default_missing_value = "auto")]
     #[arg(require_equals = true)]
@@ -230,6 +234,7 @@ impl Cli {
             },
             residual: self.residual,
             smoothing: self.smoothing()?,
+            exact_extra: self.exact_extra,
             gather: match self.gather {
                 None => self.quality.gather(),
                 Some(GatherArg::Interpolate) => Gather::Interpolate,

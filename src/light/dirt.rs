@@ -1,8 +1,10 @@
 //! Dirt: light is weaker where surfaces are near, as if dirt gathered in corners (contract section
 //! 6.3). Rays into the half space over a luxel measure how much room it has.
 
+use super::cells::Cells;
 use super::spread::Shares;
 use super::tiles::{Tile, Tiles};
+use super::totals::LitPoints;
 use crate::scene::effects::COMPILED;
 use crate::scene::exact::{dot, normalize, radians};
 use crate::scene::{Bounds, DirtKeys, DirtSettings, Floor, LightRays, Sample, Scene};
@@ -12,6 +14,10 @@ use std::ops::Range;
 
 /// Most samples of a tile whose rays are looked at together.
 const MOST_AT_ONCE: usize = 256;
+/// Dirt that varies less between the corners of a cell counts as linear there, as a share of light.
+const STEADY: f32 = 0.015;
+/// The same where a cell's middle is known too, of how far that is from linear.
+const LINEAR: f32 = 0.0125;
 /// Azimuths of the fixed directions.
 const AZIMUTHS: u32 = 16;
 /// Elevations of the fixed directions at each azimuth.
@@ -27,11 +33,12 @@ pub struct FaceDirt {
 }
 
 impl FaceDirt {
-    /// Traces dirt at the samples of a surface. Samples inside solid have all of it.
+    /// Traces dirt at the samples of a surface, in cells only where it varies. Samples inside solid have
+    /// all of it.
     pub(super) fn trace(
         scene: &Scene,
         index: usize,
-        (samples, tiles): (&[Sample], &Tiles),
+        (samples, points): (&[Sample], &LitPoints),
         rays: &mut LightRays<'_>,
     ) -> Self {
         let settings = &scene.world.dirt;
@@ -41,9 +48,9 @@ impl FaceDirt {
         }
         let mut room = Room {
             depth: settings.depth,
+            scale: settings.scale.max(1.0),
             mask: surface.channel_mask,
             samples,
-            tiles,
             sums: vec![0.0; samples.len()],
             rays,
         };
@@ -55,8 +62,14 @@ impl FaceDirt {
                     room.look(i, frame.turned(direction));
                 }
             }
-        } else if let Some(whole) = tiles.whole() {
-            room.trace(whole, &directions(settings));
+        } else {
+            match points {
+                LitPoints::Each(tiles, _) => {
+                    let whole = tiles.whole().into_iter();
+                    whole.for_each(|w| room.trace((tiles, w), |_| true, &directions(settings)));
+                }
+                LitPoints::Cells(cells) => room.trace_cells(cells, &directions(settings)),
+            }
         }
         let rays = (AZIMUTHS * ELEVATIONS) as usize;
         let occlusion = |(sample, sum): (&Sample, &f32)| {
@@ -84,6 +97,11 @@ impl FaceDirt {
             self.occlusion.resize(count, 0.0);
             self.occlusion[range.clone()].copy_from_slice(&part.occlusion);
         }
+    }
+
+    /// Whether there is none on the whole surface.
+    pub(super) fn is_none(&self) -> bool {
+        self.occlusion.is_empty()
     }
 
     /// Share of light that dirt leaves at a sample by the settings of the map, 0 to 1.
@@ -151,10 +169,11 @@ fn direction(azimuth: f64, elevation: f64) -> Vec3 {
 struct Room<'a, 's> {
     /// How far to look, in world units.
     depth: f32,
+    /// Light lost where there is no room at all, at least 1.
+    scale: f32,
     /// Channels of the surface.
     mask: i32,
     samples: &'a [Sample],
-    tiles: &'a Tiles,
     /// Sum of the distances to what is around, a sample.
     sums: Vec<f32>,
     rays: &'a mut LightRays<'s>,
@@ -166,13 +185,61 @@ impl Room<'_, '_> {
         self.sums[i] += self.rays.room(self.samples[i].position, way, self.depth, self.mask);
     }
 
-    /// Looks from the samples of a tile in each of the directions.
-    fn trace(&mut self, tile: &Tile, directions: &[Vec3]) {
-        let (tiles, samples, depth) = (self.tiles, self.samples, self.depth);
-        let members = tiles.members(tile);
+    /// Looks from the corners of cells, and from all samples of those where that makes a difference.
+    fn trace_cells(&mut self, cells: &Cells, directions: &[Vec3]) {
+        let Some(whole) = cells.coarse.whole() else { return };
+        self.trace((&cells.coarse, whole), |i| cells.is_corner[i as usize], directions);
+        // What is off here is so in all light, however many sources it comes from.
+        let light = self.depth * directions.len() as f32 / self.scale;
+        let corners = |sums: &[f32], k: usize| {
+            let room = cells.cells()[k].corners.map(|i| sums[i as usize]);
+            let (low, high) =
+                room.iter().fold((f32::INFINITY, 0.0_f32), |(a, b), r| (a.min(*r), b.max(*r)));
+            (room, high - low > STEADY * light)
+        };
+        let varied: Vec<bool> =
+            (0..cells.cells().len()).map(|k| corners(&self.sums, k).1).collect();
+        let mut is_known = cells.is_corner.clone();
+        for (cell, _) in cells.cells().iter().zip(&varied).filter(|(_, varied)| **varied) {
+            is_known[cell.middle as usize] = true;
+        }
+        let is_middle = |i: u32| is_known[i as usize] && !cells.is_corner[i as usize];
+        self.trace((&cells.coarse, whole), is_middle, directions);
+        for (k, (cell, tile)) in cells.cells().iter().zip(cells.fine.all()).enumerate() {
+            let (room, _) = corners(&self.sums, k);
+            let linear = |i: u32| -> f32 {
+                room.iter().zip(cell.weights(i)).map(|(r, share)| r * share).sum()
+            };
+            let bulge =
+                if varied[k] { self.sums[cell.middle as usize] - linear(cell.middle) } else { 0.0 };
+            let is_between = |i: u32| !is_known[i as usize];
+            if bulge.abs() > LINEAR * light {
+                self.trace((&cells.fine, tile), is_between, directions);
+                continue;
+            }
+            let most = cell.bulge(cell.middle).max(0.25);
+            for &i in cells.fine.members(tile).iter().filter(|i| is_between(**i)) {
+                self.sums[i as usize] = linear(i) + bulge * (cell.bulge(i) / most).min(1.0);
+            }
+        }
+    }
+
+    /// Looks from those samples of a tile that are `wanted` in each of the directions.
+    fn trace(
+        &mut self,
+        (tiles, tile): (&Tiles, &Tile),
+        wanted: impl Fn(u32) -> bool + Copy,
+        directions: &[Vec3],
+    ) {
+        let (samples, depth) = (self.samples, self.depth);
+        let members: Vec<u32> =
+            tiles.members(tile).iter().copied().filter(|&i| wanted(i)).collect();
         let parts = tiles.parts(tile);
         if members.len() > MOST_AT_ONCE && !parts.is_empty() {
-            parts.iter().for_each(|part| self.trace(part, directions));
+            parts.iter().for_each(|part| self.trace((tiles, part), wanted, directions));
+            return;
+        }
+        if members.is_empty() {
             return;
         }
         let frames: Vec<Frame> = members.iter().map(|&i| Frame::of(&samples[i as usize])).collect();

@@ -1,9 +1,12 @@
 //! Direct light: the irradiance that lights send straight to points of surfaces, in light units
 //! before range scaling (contract sections 4.4 to 4.6). One file an effect.
 
+mod adaptive;
 mod attenuation;
+mod beam;
 mod blockers;
 mod bounce_source;
+mod cells;
 mod directions;
 mod dirt;
 mod in_time;
@@ -13,10 +16,14 @@ mod point;
 mod probe;
 mod radiosity;
 mod ray_counts;
+mod source;
 mod spot;
 mod spread;
+mod sums;
 mod sun;
 mod tiles;
+mod totals;
+mod wanted;
 
 pub use blockers::Blockers;
 pub use bounce_source::bounce_source;
@@ -30,11 +37,15 @@ pub use ray_counts::RayCounts;
 
 use crate::photometry::Irradiance;
 use crate::scene::effects::COMPILED;
-use crate::scene::exact::{brightness, distance, dot, length};
-use crate::scene::{Arrival, Light, LightRays, Reach, Sample, Scene, Surface};
+use crate::scene::exact::{brightness, dot, length};
+use crate::scene::{Light, LightRays, Sample, Scene, Surface};
+use beam::Beam;
 use glam::Vec3;
 use ray_counts::Since;
-use tiles::{Tile, Tiles};
+use sums::add;
+use sun::SunBeam;
+use totals::{LitPoints, Totals};
+use wanted::Wanted;
 
 /// Fewer rays than this from a tile to a light are not worth a look at what is between.
 const FEW_RAYS: usize = 8;
@@ -86,65 +97,88 @@ pub fn direct_from(
     directions: Directions,
     blockers: &mut Blockers,
 ) -> DirectLight {
+    light(scene, surface, (samples, 1), directions, blockers)
+}
+
+/// As [`direct_from`], for `extra` x `extra` samples a luxel, of which not all are traced where that
+/// makes little difference to the luxel.
+pub fn direct_adaptive(
+    scene: &Scene,
+    surface: usize,
+    (samples, extra): (&[Sample], u32),
+    directions: Directions,
+    blockers: &mut Blockers,
+) -> DirectLight {
+    light(scene, surface, (samples, extra), directions, blockers)
+}
+
+fn light(
+    scene: &Scene,
+    index: usize,
+    (samples, extra): (&[Sample], u32),
+    directions: Directions,
+    blockers: &mut Blockers,
+) -> DirectLight {
     let mut result = DirectLight { directions, ..DirectLight::default() };
     if samples.is_empty() {
         return result;
     }
-    let mut rays = LightRays::new(scene, scene.surfaces[surface].model);
-    let tiles = Tiles::new(samples, scene.surfaces[surface].normal);
+    let surface = &scene.surfaces[index];
+    let mut rays = LightRays::new(scene, surface.model);
+    let points = LitPoints::new(surface, samples, extra);
     let (mut since, mut counts) = (Since::now(&rays), RayCounts::default());
-    result.dirt = FaceDirt::trace(scene, surface, (samples, &tiles), &mut rays);
+    result.dirt = FaceDirt::trace(scene, index, (samples, &points), &mut rays);
     since.count(&rays, &mut counts.dirt);
-    let surface = &scene.surfaces[surface];
     if surface.light_ignore {
         result.rays = counts;
         return result;
     }
+    let dirt = std::mem::take(&mut result.dirt);
     let sphere = BoundingSphere::of(surface);
-    let points = (samples, &result.dirt);
-    let leafs = Leafs::of(scene, samples);
-    let whole = tiles.whole();
+    let leafs = Leafs::of(scene, samples, points.first());
     let mut wanted = Wanted::new(samples.len());
+    let mut totals = Totals::new(scene, &points, samples.len(), &mut result);
     for (index, light) in scene.lights.iter().enumerate() {
         let reach = scene.visibility.of_light(index);
         if !leafs.distinct.iter().any(|l| reach.includes(*l)) {
             continue;
         }
-        // Only light of channel 1 is held back by the world.
-        let shadowed = light.shadow_mask & 1 != 0;
-        let Some(whole) = whole.filter(|w| !shadowed || !blockers.cover(index, &w.bounds)) else {
-            continue;
+        let mut beam = Beam {
+            scene,
+            light: index,
+            surface,
+            samples,
+            dirt: &dirt,
+            leafs: (&leafs.of_samples, reach),
+            blockers,
+            rays: &mut rays,
         };
-        let styles = if light.brightness > 0.0 { &mut result.styles } else { &mut result.negative };
-        let sums = (styles, &mut result.excess, &mut result.directions);
-        let points = (samples, &result.dirt, &leafs.of_samples[..], reach);
-        let receiver = (surface, &sphere);
-        if !send(scene, light, receiver, points, &mut wanted) {
+        if points.whole().is_none_or(|whole| beam.is_covered(whole)) || !beam.reaches(&sphere) {
             continue;
         }
-        let mut beam = Beam { scene, light: index, blockers, rays: &mut rays, tiles: &tiles };
-        beam.trace(whole, samples, &mut wanted);
-        receive(scene, light, samples, &mut wanted, sums);
+        totals.add(&mut beam, light.brightness > 0.0, &points, &mut wanted);
         let is_copy = light.piece_radius > 0.0;
         let count = if is_copy { &mut counts.surface_lights } else { &mut counts.lights };
         since.count(&rays, count);
     }
     for sun in scene.suns.iter().filter(|_| COMPILED) {
-        let styles = if sun.brightness > 0.0 { &mut result.styles } else { &mut result.negative };
-        let sums = (styles, &mut result.excess, &mut result.directions);
-        sun::light_surface(scene, sun, surface, points, (&tiles, &mut wanted), &mut rays, sums);
+        let beam = SunBeam::new((scene, sun), surface, (samples, &dirt), &mut rays);
+        let Some(mut beam) = beam else { continue };
+        totals.add(&mut beam, sun.brightness > 0.0, &points, &mut wanted);
         since.count(&rays, if sun.dome { &mut counts.sky_domes } else { &mut counts.suns });
     }
+    totals.spread(&points, &dirt);
     for light in scene.radiosity_lights.iter().filter(|_| COMPILED) {
         let receiver = (surface, &sphere);
         let sums = (&mut result.styles, &mut result.excess, &mut result.directions);
-        radiosity::light_surface(scene, light, receiver, points, &mut rays, sums);
+        radiosity::light_surface(scene, light, receiver, (samples, &dirt), &mut rays, sums);
         since.count(&rays, &mut counts.surface_lights);
     }
-    result.local_minimum = minlight::local(scene, surface, points, &result.styles, &mut rays);
+    result.local_minimum =
+        minlight::local(scene, surface, (samples, &dirt), &result.styles, &mut rays);
     since.count(&rays, &mut counts.minlight);
     counts.filtered = rays.filtered_rays();
-    result.rays = counts;
+    (result.dirt, result.rays) = (dirt, counts);
     result
 }
 
@@ -222,194 +256,21 @@ pub fn at(scene: &Scene, position: Vec3, normal: Vec3) -> Vec<(u16, Irradiance)>
     styles
 }
 
-/// What one light sends to each sample of a surface.
-struct Wanted {
-    /// Colour that arrives if nothing is in the way; `None` where no ray is needed.
-    sent: Vec<Option<Vec3>>,
-    /// What does arrive.
-    arrived: Vec<Option<Arrival>>,
-}
-
-impl Wanted {
-    fn new(samples: usize) -> Self {
-        Self { sent: vec![None; samples], arrived: vec![None; samples] }
-    }
-
-    /// Number of samples of a tile that need a ray.
-    fn rays(&self, members: &[u32]) -> usize {
-        members.iter().filter(|&&i| self.sent[i as usize].is_some()).count()
-    }
-
-    /// One of the samples of a tile that need a ray, from the middle of them.
-    fn one<'m>(&self, members: &'m [u32]) -> &'m [u32] {
-        let needs = |&i: &usize| self.sent[members[i] as usize].is_some();
-        let middle = members.len() / 2;
-        (middle..members.len()).chain(0..middle).find(needs).map_or(&[], |i| &members[i..=i])
-    }
-
-    /// Asks `seen` what arrives of the light that is sent to each of the samples. Whether any
-    /// arrives at the last.
-    fn look(
-        &mut self,
-        members: &[u32],
-        mut seen: impl FnMut(usize, Vec3) -> Option<Arrival>,
-    ) -> bool {
-        let mut arrives = false;
-        for &i in members {
-            let i = i as usize;
-            if let Some(colour) = self.sent[i] {
-                self.arrived[i] = seen(i, colour);
-                arrives = self.arrived[i].is_some();
-            }
-        }
-        arrives
-    }
-
-    /// What arrived, sample by sample; afterwards nothing is wanted any more.
-    fn take(&mut self) -> impl Iterator<Item = (usize, Arrival)> + '_ {
-        self.sent.fill(None);
-        self.arrived.iter_mut().enumerate().filter_map(|(i, a)| a.take().map(|a| (i, a)))
-    }
-}
-
-/// Finds what one light would send to the samples of a surface if nothing were in the way; whether
-/// that is anything.
-fn send(
-    scene: &Scene,
-    light: &Light,
-    (surface, sphere): (&Surface, &BoundingSphere),
-    (samples, dirt, leafs, reach): (&[Sample], &FaceDirt, &[Option<u32>], Reach<'_>),
-    wanted: &mut Wanted,
-) -> bool {
-    let (dist, gate) = (scene.world.dist, scene.world.gate);
-    let behind = distance(light.origin, surface.normal, surface.dist) < 0.0;
-    if behind && !light.bleed && !surface.two_sided && !surface.curved
-        || sphere.is_out_of_reach(light, dist, gate)
-        || light.channel_mask & surface.channel_mask == 0
-    {
-        return false;
-    }
-    let mut any = false;
-    for (i, sample) in samples.iter().enumerate().filter(|(_, s)| !s.occluded) {
-        if !reach.includes(leafs[i]) {
-            continue;
-        }
-        let Some(colour) =
-            point::unshadowed(light, dist, sample.position, sample.normal, surface.two_sided)
-        else {
-            continue;
-        };
-        let away = length(light.origin - sample.position);
-        let colour = colour * dirt.factor(i, &light.dirt, away);
-        if brightness(colour).abs() > gate {
-            wanted.sent[i] = Some(colour);
-            any = true;
-        }
-    }
-    any
-}
-
-/// The rays from a surface to a light.
-struct Beam<'a, 's> {
-    scene: &'s Scene,
-    light: usize,
-    blockers: &'a mut Blockers,
-    rays: &'a mut LightRays<'s>,
-    tiles: &'a Tiles,
-}
-
-impl Beam<'_, '_> {
-    /// Finds what arrives at the samples of a tile.
-    fn trace(&mut self, tile: &Tile, samples: &[Sample], wanted: &mut Wanted) {
-        let members = self.tiles.members(tile);
-        let count = wanted.rays(members);
-        let light = &self.scene.lights[self.light];
-        let shadowed = light.shadow_mask & 1 != 0;
-        if count == 0 || shadowed && self.blockers.cover(self.light, &tile.bounds) {
-            return;
-        }
-        self.rays.suppose(self.blockers.of(self.light));
-        let lit = count < FEW_RAYS || self.look(wanted.one(members), samples, wanted);
-        if !lit && shadowed {
-            self.remember();
-            if self.blockers.cover(self.light, &tile.bounds) {
-                return;
-            }
-        }
-        let many = count >= MANY_RAYS;
-        if many || lit && count >= FEW_RAYS {
-            let floor = self.tiles.floor_with(tile, std::iter::once(light.origin));
-            let narrow = self.rays.towards(&tile.bounds, floor, light.origin, count);
-            let parts = self.tiles.parts(tile);
-            if !narrow && many && !parts.is_empty() {
-                parts.iter().for_each(|part| self.trace(part, samples, wanted));
-                return;
-            }
-        }
-        self.look(members, samples, wanted);
-        self.rays.anywhere();
-        if shadowed {
-            self.remember();
-        }
-    }
-
-    /// Remembers what blocked the last ray that was blocked.
-    fn remember(&mut self) {
-        if let Some(polygon) = self.rays.blocker() {
-            self.blockers.remember(self.scene, self.light, polygon);
-        }
-    }
-
-    /// Traces the rays to some samples; whether light arrives at the last of them.
-    fn look(&mut self, members: &[u32], samples: &[Sample], wanted: &mut Wanted) -> bool {
-        let light = &self.scene.lights[self.light];
-        wanted.look(members, |i, colour| {
-            self.rays.between(samples[i].position, light.origin, light.shadow_mask, colour)
-        })
-    }
-}
-
-/// Adds what arrived of a light to the sums of a surface.
-fn receive(
-    scene: &Scene,
-    light: &Light,
-    samples: &[Sample],
-    wanted: &mut Wanted,
-    (styles, excess, directions): (&mut Vec<StyleLight>, &mut Vec<StyleLight>, &mut Directions),
-) {
-    for (i, arrival) in wanted.take() {
-        let style = arrival.style_of(light.style);
-        let way = light.origin - samples[i].position;
-        directions.add(style, (i, samples.len()), way, arrival.colour);
-        add(styles, style, samples.len(), i, arrival.colour);
-        let share =
-            (1.0 - attenuation::excess(light, scene.world.dist, length(way))) * light.bounce_scale;
-        if share != 1.0 {
-            add(excess, style, samples.len(), i, arrival.colour * (1.0 - share));
-        }
-    }
-}
-
-/// Adds light of a style to sample `i` of `count`.
-fn add(styles: &mut Vec<StyleLight>, style: u16, count: usize, i: usize, colour: Vec3) {
-    let slot = styles.iter().position(|s| s.style == style).unwrap_or_else(|| {
-        styles.push(StyleLight { style, irradiance: vec![Irradiance::ZERO; count] });
-        styles.len() - 1
-    });
-    styles[slot].irradiance[i] += Irradiance(colour);
-}
-
-/// Where the samples of a surface are.
+/// Where some samples of a surface are; nothing is known of the others.
 struct Leafs {
     of_samples: Vec<Option<u32>>,
     distinct: Vec<Option<u32>>,
 }
 
 impl Leafs {
-    fn of(scene: &Scene, samples: &[Sample]) -> Self {
-        let leaf = |s: &Sample| scene.visibility.leaf(&scene.solid, s.position);
-        let of_samples: Vec<_> = samples.iter().map(leaf).collect();
-        let mut distinct = of_samples.clone();
+    fn of(scene: &Scene, samples: &[Sample], wanted: &[u32]) -> Self {
+        let mut of_samples = vec![None; samples.len()];
+        let mut distinct = Vec::new();
+        for &i in wanted {
+            let leaf = scene.visibility.leaf(&scene.solid, samples[i as usize].position);
+            of_samples[i as usize] = leaf;
+            distinct.push(leaf);
+        }
         distinct.sort_unstable();
         distinct.dedup();
         Self { of_samples, distinct }

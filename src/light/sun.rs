@@ -1,7 +1,10 @@
 //! Light of suns and sky domes (contract section 5.3).
 
+use super::source::Source;
+use super::sums::Given;
 use super::tiles::{Tile, Tiles};
-use super::{Directions, FEW_RAYS, FaceDirt, MANY_RAYS, StyleLight, Wanted, add};
+use super::wanted::Wanted;
+use super::{FEW_RAYS, FaceDirt, MANY_RAYS};
 use crate::scene::exact::{brightness, dot};
 use crate::scene::{Arrival, DirtKeys, LightRays, Sample, Scene, Sun, Surface};
 use glam::Vec3;
@@ -31,72 +34,89 @@ pub(crate) fn seen(
     sun.sky_texture.is_none_or(|t| texture == Some(t)).then_some(arrival)
 }
 
-/// Adds what one sun sends to the samples of a surface.
-pub(super) fn light_surface(
-    scene: &Scene,
-    sun: &Sun,
-    surface: &Surface,
-    (samples, dirt): (&[Sample], &FaceDirt),
-    (tiles, wanted): (&Tiles, &mut Wanted),
-    rays: &mut LightRays<'_>,
-    (styles, excess, directions): (&mut Vec<StyleLight>, &mut Vec<StyleLight>, &mut Directions),
-) {
-    let behind = dot(sun.to_sun, surface.normal) < BEHIND;
-    if behind && !surface.curved && !surface.two_sided || surface.channel_mask & 1 == 0 {
-        return;
-    }
-    let keys = DirtKeys::plain(sun.dirt.unwrap_or(scene.world.dirt.lights));
-    for (i, sample) in samples.iter().enumerate().filter(|(_, s)| !s.occluded) {
-        let colour = unshadowed(sun, sample.normal, surface.two_sided) * dirt.factor(i, &keys, 0.0);
-        if brightness(colour).abs() > scene.world.gate {
-            wanted.sent[i] = Some(colour);
+/// A sun as one surface sees it.
+pub(super) struct SunBeam<'a, 's> {
+    scene: &'s Scene,
+    sun: &'s Sun,
+    surface: &'a Surface,
+    samples: &'a [Sample],
+    dirt: &'a FaceDirt,
+    keys: DirtKeys,
+    rays: &'a mut LightRays<'s>,
+}
+
+impl<'a, 's> SunBeam<'a, 's> {
+    /// `None` if the sun cannot shine on the surface.
+    pub fn new(
+        (scene, sun): (&'s Scene, &'s Sun),
+        surface: &'a Surface,
+        (samples, dirt): (&'a [Sample], &'a FaceDirt),
+        rays: &'a mut LightRays<'s>,
+    ) -> Option<Self> {
+        let behind = dot(sun.to_sun, surface.normal) < BEHIND;
+        if behind && !surface.curved && !surface.two_sided || surface.channel_mask & 1 == 0 {
+            return None;
         }
+        let keys = DirtKeys::plain(sun.dirt.unwrap_or(scene.world.dirt.lights));
+        Some(Self { scene, sun, surface, samples, dirt, keys, rays })
     }
-    if let Some(whole) = tiles.whole() {
-        trace(scene, sun, (tiles, whole), samples, wanted, rays);
-    }
-    for (i, arrival) in wanted.take() {
-        let style = arrival.style_of(sun.style);
-        directions.add(style, (i, samples.len()), sun.to_sun, arrival.colour);
-        add(styles, style, samples.len(), i, arrival.colour);
-        if sun.bounce_scale != 1.0 {
-            let unsent = arrival.colour * (1.0 - sun.bounce_scale);
-            add(excess, style, samples.len(), i, unsent);
-        }
+
+    /// Traces the rays from some samples; whether light arrives at the last of them.
+    fn look(&mut self, members: &[u32], wanted: &mut Wanted) -> bool {
+        wanted.look(members, |i, colour, filtered| {
+            let arrival = seen(self.scene, self.sun, self.samples[i].position, colour, self.rays);
+            filtered.extend(self.rays.met_filter().then_some(i as u32));
+            arrival
+        })
     }
 }
 
-/// Finds what arrives at the samples of a tile.
-fn trace(
-    scene: &Scene,
-    sun: &Sun,
-    (tiles, tile): (&Tiles, &Tile),
-    samples: &[Sample],
-    wanted: &mut Wanted,
-    rays: &mut LightRays<'_>,
-) {
-    let members = tiles.members(tile);
-    let count = wanted.rays(members);
-    if count == 0 {
-        return;
+impl Source for SunBeam<'_, '_> {
+    fn sent(&self, i: usize) -> Option<Vec3> {
+        let colour = unshadowed(self.sun, self.samples[i].normal, self.surface.two_sided)
+            * self.dirt.factor(i, &self.keys, 0.0);
+        (brightness(colour).abs() > self.scene.world.gate).then_some(colour)
     }
-    let one = wanted.one(members);
-    let mut look = |members: &[u32], rays: &mut LightRays<'_>| {
-        wanted.look(members, |i, colour| seen(scene, sun, samples[i].position, colour, rays))
-    };
-    if count >= FEW_RAYS && (count >= MANY_RAYS || look(one, rays)) {
-        let floor = tiles.floor_along(tile, sun.to_sun);
-        let narrow = rays.skywards(&tile.bounds, floor, sun.to_sun, count);
-        let parts = tiles.parts(tile);
-        if !narrow && count >= MANY_RAYS && !parts.is_empty() {
-            for part in parts {
-                trace(scene, sun, (tiles, part), samples, wanted, rays);
-            }
+
+    fn trace(&mut self, tiles: &Tiles, tile: &Tile, wanted: &mut Wanted) {
+        let members = tiles.members(tile);
+        let count = wanted.rays(members);
+        if count == 0 {
             return;
         }
+        if count >= FEW_RAYS && (count >= MANY_RAYS || self.look(wanted.one(members), wanted)) {
+            let floor = tiles.floor_along(tile, self.sun.to_sun);
+            let narrow = self.rays.skywards(&tile.bounds, floor, self.sun.to_sun, count);
+            let parts = tiles.parts(tile);
+            if !narrow && count >= MANY_RAYS && !parts.is_empty() {
+                parts.iter().for_each(|part| self.trace(tiles, part, wanted));
+                return;
+            }
+            if narrow && self.rays.meet_nothing() {
+                wanted.open.extend_from_slice(members);
+            }
+        }
+        if !self.rays.sees_no_sky() {
+            self.look(members, wanted);
+        }
+        self.rays.anywhere();
     }
-    if !rays.sees_no_sky() {
-        look(members, rays);
+
+    fn given(&self, _: usize, arrival: Arrival) -> Given {
+        let (sun, colour) = (self.sun, arrival.colour);
+        let excess = colour * (1.0 - sun.bounce_scale);
+        Given { style: arrival.style_of(sun.style), colour, excess, way: sun.to_sun }
     }
-    rays.anywhere();
+
+    fn is_even(&self) -> bool {
+        !self.surface.curved
+    }
+
+    fn dirt(&self) -> Option<DirtKeys> {
+        Some(self.keys)
+    }
+
+    fn share_left(&self, i: usize) -> f32 {
+        self.dirt.factor(i, &self.keys, 0.0)
+    }
 }

@@ -51,6 +51,8 @@ pub struct LightRays<'a> {
     crossed: Vec<(f64, u32, Contact)>,
     /// Rays tested against filters.
     tested: u64,
+    /// Whether the last ray of light met a filter.
+    met_filter: bool,
 }
 
 /// A straight way of light.
@@ -74,6 +76,7 @@ impl<'a> LightRays<'a> {
             near_filters: Narrow::default(),
             crossed: Vec::new(),
             tested: 0,
+            met_filter: false,
         }
     }
 
@@ -85,6 +88,11 @@ impl<'a> LightRays<'a> {
     /// Rays so far that were tested against what filters light.
     pub fn filtered_rays(&self) -> u64 {
         self.tested
+    }
+
+    /// Whether the last ray of light, to a point or the sky, met a filter where nothing else stopped it.
+    pub(crate) fn met_filter(&self) -> bool {
+        self.met_filter
     }
 
     /// Supposes that a polygon of the scene's tracer blocks the next rays, which makes them faster
@@ -166,6 +174,13 @@ impl<'a> LightRays<'a> {
         self.opaque.narrow_sky.is_empty()
     }
 
+    /// Whether surely nothing but the sky is in the way of the rays asked for.
+    pub(crate) fn meet_nothing(&self) -> bool {
+        self.opaque.narrow.is_empty()
+            && self.filters.narrow.is_empty()
+            && !self.opaque.narrow_sky.is_empty()
+    }
+
     /// Rays run anywhere.
     pub(crate) fn anywhere(&mut self) {
         for rays in [&mut self.opaque, &mut self.filters] {
@@ -177,6 +192,7 @@ impl<'a> LightRays<'a> {
     /// What arrives at `at` of light of `colour` that sets out from `light` in the channels `mask`;
     /// `None` if something opaque is between. The ends count as in [`ShadowRays::blocked`].
     pub fn between(&mut self, at: Vec3, light: Vec3, mask: i32, colour: Vec3) -> Option<Arrival> {
+        self.met_filter = false;
         // What always blocks is of channel 1.
         if mask & 1 == 0 {
             self.opaque.rays += 1;
@@ -194,6 +210,7 @@ impl<'a> LightRays<'a> {
     /// What arrives at `at` of light of `colour` from far away in the unit direction `direction`,
     /// and through which sky surface; `None` if the first thing on the way is no sky.
     pub fn from_sky(&mut self, at: Vec3, direction: Vec3, colour: Vec3) -> Option<(u32, Arrival)> {
+        self.met_filter = false;
         let hit = match self.opaque.view(&self.scene.sky, at, direction, SKY_DISTANCE) {
             View::Sky(hit) => hit,
             View::NoSky => return None,
@@ -248,6 +265,7 @@ impl<'a> LightRays<'a> {
         }
         let mut crossed = std::mem::take(&mut self.crossed);
         self.find_crossed(way, &mut crossed);
+        self.met_filter = !crossed.is_empty();
         let mut passes = true;
         for &(t, polygon, _) in &crossed {
             let ray = Ray {

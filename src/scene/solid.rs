@@ -1,11 +1,16 @@
 //! Whether a point is inside solid: descent through hull 0 of the brush models (contract 2.6).
 
 use super::exact::dot64;
+use super::umbra::Bounds;
 use crate::bsp::Bsp;
 use glam::{DVec3, Vec3};
 
 /// Planes nearer than this do not decide: a point so close to one is solid if either side is.
 const NEAR_PLANE: f64 = 0.1;
+/// By how much a box is widened, for what rounding may do to its points.
+const BOX_SLACK: f64 = 1.0 / 128.0;
+/// Splits and leafs looked at for one box.
+const MOST_BOX_STEPS: usize = 256;
 
 struct Split {
     normal: DVec3,
@@ -56,10 +61,10 @@ impl Solid {
     pub fn contains(&self, model: usize, point: Vec3) -> bool {
         let Some(&head) = self.heads.get(model) else { return false };
         let p = point.as_dvec3();
-        let mut open = vec![head];
+        let (mut node, mut open) = (head, Vec::new());
         // A tree reaches each split once; what goes on for longer is no tree.
         let mut steps = 2 * self.splits.len() + 2;
-        while let Some(mut node) = open.pop() {
+        loop {
             while let Some(split) = usize::try_from(node).ok().and_then(|n| self.splits.get(n)) {
                 if steps == 0 {
                     return false;
@@ -73,6 +78,38 @@ impl Solid {
             }
             if node < 0 && self.leaf_solid.get(!node as usize).copied().unwrap_or(false) {
                 return true;
+            }
+            match open.pop() {
+                Some(other) => node = other,
+                None => return false,
+            }
+        }
+    }
+
+    /// Whether surely no point of a box, in the coordinates of brush model `model`, is inside its solid
+    /// as [`Self::contains`] has it. Gives up after a number of steps.
+    pub(super) fn spares(&self, model: usize, bounds: &Bounds) -> bool {
+        let Some(&head) = self.heads.get(model) else { return true };
+        let (middle, half) = (bounds.middle(), bounds.half() + BOX_SLACK);
+        let mut open = vec![head];
+        for _ in 0..MOST_BOX_STEPS {
+            let Some(node) = open.pop() else { return true };
+            let Some(split) = usize::try_from(node).ok().and_then(|n| self.splits.get(n)) else {
+                if node < 0 && self.leaf_solid.get(!node as usize).copied().unwrap_or(false) {
+                    return false;
+                }
+                continue;
+            };
+            let d = split.distance(middle);
+            let reach = match split.axis {
+                Some(axis) => half[axis],
+                None => dot64(half, split.normal.abs()),
+            } + NEAR_PLANE;
+            if d >= -reach {
+                open.push(split.children[0]);
+            }
+            if d <= reach {
+                open.push(split.children[1]);
             }
         }
         false
@@ -132,6 +169,20 @@ mod tests {
         ] {
             assert_eq!(solid.contains(0, Vec3::from(p)), inside, "{p:?}");
         }
+    }
+
+    #[test]
+    fn boxes_are_spared_only_if_all_their_points_are() {
+        let solid = corner();
+        let spares = |low: [f32; 3], high: [f32; 3]| {
+            let ends = [Vec3::from(low), Vec3::from(high)];
+            solid.spares(0, &Bounds::around(ends.into_iter()).unwrap())
+        };
+        assert!(spares([0.2, 0.0, 0.2], [5.0, 5.0, 5.0]));
+        assert!(!spares([0.05, 0.0, 0.2], [5.0, 5.0, 5.0]));
+        assert!(!spares([0.2, 0.0, -3.0], [5.0, 5.0, 5.0]));
+        assert!(!spares([0.2, 0.0, 0.105], [5.0, 5.0, 5.0]), "too near to tell");
+        assert!(solid.spares(1, &Bounds::around(std::iter::once(Vec3::ZERO)).unwrap()));
     }
 
     #[test]

@@ -35,6 +35,16 @@ impl Bounds {
         Self { middle: (low + high) * 0.5, half: (high - low) * 0.5 }
     }
 
+    /// Whether a point is in the box.
+    pub(super) fn contains(&self, point: Vec3) -> bool {
+        (point.as_dvec3() - self.middle).abs().cmple(self.half).all()
+    }
+
+    /// Whether all of another box is in this one.
+    pub(super) fn contains_box(&self, other: &Self) -> bool {
+        ((other.middle - self.middle).abs() + other.half).cmple(self.half).all()
+    }
+
     /// Middle.
     pub(super) fn middle(&self) -> DVec3 {
         self.middle

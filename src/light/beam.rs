@@ -1,0 +1,134 @@
+//! The rays from the samples of a surface to a point or spot light.
+
+use super::source::Source;
+use super::sums::Given;
+use super::tiles::{Tile, Tiles};
+use super::wanted::Wanted;
+use super::{Blockers, BoundingSphere, FEW_RAYS, FaceDirt, MANY_RAYS, attenuation, point};
+use crate::scene::exact::{brightness, distance, length};
+use crate::scene::{Arrival, DirtKeys, LightRays, Reach, Sample, Scene, Surface};
+use glam::Vec3;
+
+/// A light as one surface sees it.
+pub(super) struct Beam<'a, 's> {
+    pub scene: &'s Scene,
+    /// Index of the light.
+    pub light: usize,
+    pub surface: &'a Surface,
+    pub samples: &'a [Sample],
+    pub dirt: &'a FaceDirt,
+    /// Leaf of each sample, where it is known, and those that the light reaches.
+    pub leafs: (&'a [Option<u32>], Reach<'a>),
+    pub blockers: &'a mut Blockers,
+    pub rays: &'a mut LightRays<'s>,
+}
+
+impl Beam<'_, '_> {
+    /// Whether the light can shine on any sample at all.
+    pub fn reaches(&self, sphere: &BoundingSphere) -> bool {
+        let (light, surface) = (&self.scene.lights[self.light], self.surface);
+        let behind = distance(light.origin, surface.normal, surface.dist) < 0.0;
+        let hidden = behind && !light.bleed && !surface.two_sided && !surface.curved;
+        !hidden
+            && !sphere.is_out_of_reach(light, self.scene.world.dist, self.scene.world.gate)
+            && light.channel_mask & surface.channel_mask != 0
+    }
+
+    /// Whether all of a tile is surely in the dark. Only light of channel 1 is held back by the world.
+    pub fn is_covered(&self, tile: &Tile) -> bool {
+        let shadowed = self.scene.lights[self.light].shadow_mask & 1 != 0;
+        shadowed && self.blockers.cover(self.light, &tile.bounds)
+    }
+
+    /// Remembers what blocked the last ray that was blocked.
+    fn remember(&mut self) {
+        if let Some(polygon) = self.rays.blocker() {
+            self.blockers.remember(self.scene, self.light, polygon);
+        }
+    }
+
+    /// Traces the rays to some samples; whether light arrives at the last of them.
+    fn look(&mut self, members: &[u32], wanted: &mut Wanted) -> bool {
+        let light = &self.scene.lights[self.light];
+        wanted.look(members, |i, colour, filtered| {
+            let (at, mask) = (self.samples[i].position, light.shadow_mask);
+            let arrival = self.rays.between(at, light.origin, mask, colour);
+            filtered.extend(self.rays.met_filter().then_some(i as u32));
+            arrival
+        })
+    }
+}
+
+impl Source for Beam<'_, '_> {
+    fn sent(&self, i: usize) -> Option<Vec3> {
+        let (light, sample, world) =
+            (&self.scene.lights[self.light], &self.samples[i], &self.scene.world);
+        if !self.leafs.1.includes(self.leafs.0[i]) {
+            return None;
+        }
+        let two_sided = self.surface.two_sided;
+        let colour =
+            point::unshadowed(light, world.dist, sample.position, sample.normal, two_sided)?;
+        let away = length(light.origin - sample.position);
+        let colour = colour * self.dirt.factor(i, &light.dirt, away);
+        (brightness(colour).abs() > world.gate).then_some(colour)
+    }
+
+    fn trace(&mut self, tiles: &Tiles, tile: &Tile, wanted: &mut Wanted) {
+        let members = tiles.members(tile);
+        let count = wanted.rays(members);
+        if count == 0 || self.is_covered(tile) {
+            return;
+        }
+        let light = &self.scene.lights[self.light];
+        let shadowed = light.shadow_mask & 1 != 0;
+        self.rays.suppose(self.blockers.of(self.light));
+        let lit = count < FEW_RAYS || self.look(wanted.one(members), wanted);
+        if !lit && shadowed {
+            self.remember();
+            if self.is_covered(tile) {
+                return;
+            }
+        }
+        let many = count >= MANY_RAYS;
+        if many || lit && count >= FEW_RAYS {
+            let floor = tiles.floor_with(tile, std::iter::once(light.origin));
+            let narrow = self.rays.towards(&tile.bounds, floor, light.origin, count);
+            let parts = tiles.parts(tile);
+            if !narrow && many && !parts.is_empty() {
+                parts.iter().for_each(|part| self.trace(tiles, part, wanted));
+                return;
+            }
+            if narrow && self.rays.meet_nothing() {
+                wanted.open.extend_from_slice(members);
+            }
+        }
+        self.look(members, wanted);
+        self.rays.anywhere();
+        if shadowed {
+            self.remember();
+        }
+    }
+
+    fn given(&self, i: usize, arrival: Arrival) -> Given {
+        let light = &self.scene.lights[self.light];
+        let way = light.origin - self.samples[i].position;
+        let share = (1.0 - attenuation::excess(light, self.scene.world.dist, length(way)))
+            * light.bounce_scale;
+        let colour = arrival.colour;
+        Given { style: arrival.style_of(light.style), colour, excess: colour * (1.0 - share), way }
+    }
+
+    fn is_even(&self) -> bool {
+        false
+    }
+
+    fn dirt(&self) -> Option<DirtKeys> {
+        let keys = self.scene.lights[self.light].dirt;
+        (keys.radii.is_none() || self.dirt.is_none()).then_some(keys)
+    }
+
+    fn share_left(&self, i: usize) -> f32 {
+        self.dirt.factor(i, &self.scene.lights[self.light].dirt, 0.0)
+    }
+}
