@@ -8,6 +8,9 @@ use rayon::prelude::*;
 /// Lists of light that one reading of the rows serves; more keep the processor's registers too busy.
 pub(in crate::radiosity) const AT_A_TIME: usize = 4;
 
+/// Mean length of runs that are worth being summed up each by itself.
+const LONG: usize = 8;
+
 impl Transfers {
     /// Irradiance at each patch when patch j has exitance `exitance[j]`: E_i = sum_j F_ij M_j.
     pub fn gather(&self, exitance: &[DVec3]) -> Vec<DVec3> {
@@ -70,6 +73,22 @@ impl Chunk {
         // Several sums at a time: each addition would wait for the one before.
         let mut sums = [[[0.0; C]; S]; 4];
         let mut column = 0;
+        if weights.len() < LONG * runs.len() {
+            // Short runs one by one would be guessed wrong by the processor time and again.
+            let columns = columns(runs, weights.len());
+            let (by_four, last) = columns.as_chunks::<4>();
+            let (own_by_four, own_last) = weights.as_chunks::<4>();
+            for (columns, weights) in by_four.iter().zip(own_by_four) {
+                for k in 0..4 {
+                    add_scaled(&mut sums[k], &light[columns[k] as usize], weights[k]);
+                }
+            }
+            for ((sum, &column), &weight) in sums.iter_mut().zip(last).zip(own_last) {
+                add_scaled(sum, &light[column as usize], weight);
+            }
+            weights = &[];
+        }
+        let runs = if weights.is_empty() { &[] } else { runs };
         for &[skip, length] in runs {
             let (first, length) = (column + usize::from(skip), usize::from(length));
             column = first + length;
@@ -92,6 +111,26 @@ impl Chunk {
         add(&mut a, &c);
         a
     }
+}
+
+/// The columns of `count` entries in runs.
+fn columns(runs: &[[u16; 2]], count: usize) -> Vec<u32> {
+    let mut columns = vec![0; count + 4];
+    let (mut at, mut next) = (0, 0);
+    for &[skip, length] in runs {
+        let first = next + u32::from(skip);
+        next = first + u32::from(length);
+        // What is too much is written over.
+        for (column, k) in columns[at..at + 4].iter_mut().zip(first..) {
+            *column = k;
+        }
+        for (column, k) in columns[at..at + usize::from(length)].iter_mut().zip(first..).skip(4) {
+            *column = k;
+        }
+        at += usize::from(length);
+    }
+    columns.truncate(count);
+    columns
 }
 
 /// Sum over what an overlay adds to a row.
