@@ -39,7 +39,7 @@ pub struct Lit<'a> {
     pub bouncing: &'a [Vec3],
     /// The solution: final exitance.
     pub exitance: &'a [Vec3],
-    /// What passes through patches, from [`passages`]; empty if nothing does.
+    /// What passes through patches, from `passages`; empty if nothing does.
     pub passages: &'a [(usize, Vec3)],
     /// Patches that rays are sent to besides: none, or all that give off light.
     pub lamps: Lamps,
