@@ -78,9 +78,10 @@ impl DirectLit {
         let light = &bounced.styles;
         let sources = Sources { scene, patches: &patches, transfers: &transfers, light };
         let gathered = stage::gather(sources, &points.luxels, settings, progress);
+        let lit = (points, &direct[..]);
+        let counts = Counts::new(scene, lit, &patches, &transfers, &bounced, &gathered);
         let checked =
             stage::check(sources, &shining, &points.luxels, &gathered, settings, progress);
-        let counts = Counts::new(scene, direct, &patches, &transfers, &bounced, &gathered);
         BouncedLight { patches, transfers, bounced, gathered, counts, checked }
     }
 
@@ -92,7 +93,8 @@ impl DirectLit {
         let patches = MapPatches::default();
         let transfers = stage::transfers(scene, &patches, settings, progress);
         let bounced = Bounced::default();
-        let counts = Counts::new(scene, direct, &patches, &transfers, &bounced, &gathered);
+        let lit = (points, &direct[..]);
+        let counts = Counts::new(scene, lit, &patches, &transfers, &bounced, &gathered);
         BouncedLight { patches, transfers, bounced, gathered, counts, checked: (None, None) }
     }
 
@@ -110,6 +112,7 @@ impl DirectLit {
         let how = settings.gathering();
         let done = lightmap::refine(sources, &self.points.luxels, &mut gathered.maps, how, end);
         counts.hemicubes[1] += done;
+        counts.overlay = transfers.overlay_costs();
         done
     }
 

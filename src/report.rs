@@ -2,13 +2,15 @@
 
 use crate::check::{Energy, Findings};
 use crate::light::{DirectLight, RayCounts};
+use crate::lightmap;
 use crate::memory;
 use crate::patch::MapPatches;
 use crate::radiosity::bounce::Bounced;
 use crate::radiosity::channels::Channels;
 use crate::radiosity::transfers::Transfers;
+use crate::scene::effects::Cost;
 use crate::scene::{LuxelGrid, Scene};
-use crate::stage::Gathered;
+use crate::stage::{Gathered, Points};
 use std::collections::BTreeSet;
 use std::fmt::{self, Display};
 use std::time::Duration;
@@ -36,6 +38,12 @@ pub struct Counts {
     pub passages: usize,
     /// Patches whose reflectance varies within their face.
     pub patterned: usize,
+    /// What bounced light took to look through glass, and to look at what varies.
+    pub overlay: [Cost; 2],
+    /// Bytes of smoothed normals.
+    pub smoothed: u64,
+    /// Hemicubes for the least light of brush models.
+    pub probes: u64,
     /// Most bounces in any style.
     pub bounces: u32,
     /// Channels of light that bounced; `None` without bounces.
@@ -47,7 +55,7 @@ pub struct Counts {
 impl Counts {
     pub(crate) fn new(
         scene: &Scene,
-        direct: &[DirectLight],
+        (points, direct): (&Points, &[DirectLight]),
         patches: &MapPatches,
         transfers: &Transfers,
         bounced: &Bounced,
@@ -73,6 +81,12 @@ impl Counts {
             transfers: transfers.len(),
             passages: patches.set.passages.len(),
             patterned: patches.patterned,
+            overlay: transfers.overlay_costs(),
+            smoothed: scene.smoothed_bytes(),
+            probes: match bounced.styles.is_empty() {
+                true => 0,
+                false => lightmap::probe_hemicubes(scene, points.samples()),
+            },
             bounces: bounced.bounces,
             channels: bounced.channels,
             residual: bounced.residual,

@@ -95,6 +95,8 @@ pub(super) fn mean_share(
     if !patterned && !any_between(overlay.layers(), &shaft, 0.0) {
         return ALL;
     }
+    let work = if patterned { &overlay.pattern_work } else { &overlay.layer_work };
+    work.add_rays(rays.into());
     let (on_a, on_b) = (Spread::new(a.parts()), Spread::new(b.parts()));
     let (mut all, mut tint, mut with_pattern) = (0.0, DVec3::ZERO, DVec3::ZERO);
     for k in 0..rays {

@@ -95,7 +95,7 @@ fn read(bytes: &mut &[u8]) -> io::Result<Transfers> {
             overlay: Vec::new(),
         });
     }
-    Ok(Transfers { chunks, row_of, drawn_at, drawn: 0 })
+    Ok(Transfers { chunks, row_of, drawn_at, ..Transfers::default() })
 }
 
 fn get<T: Clone + Default>(bytes: &mut &[u8], read: fn(&[u8], &mut [T])) -> io::Result<Vec<T>> {
