@@ -115,7 +115,7 @@ fn lit_luxels(lit: &MapLight) -> Vec<bool> {
 fn maps_are_whole_whenever_time_is_over() {
     let mut luxels_drawn = Vec::new();
     let whole = lit_luxels(&light_whole());
-    for looks in [0, 3, 120, 400, 440, 480, 520, 2000] {
+    for looks in [0, 3, 120, 400, 440, 480, 520, 560, 600, 650, 2000] {
         let (progress, seen) = jumping(looks);
         let (mut map, unlit) = (bsp("styles.bsp"), bsp("styles.bsp"));
         let lit: MapLight =
