@@ -3,7 +3,7 @@
 use anyhow::Context;
 use qrad::aim::TextLadder;
 use qrad::cli::Cli;
-use qrad::patch::{TextScene, decode};
+use qrad::patch::{PatchEffects, TextScene, decode};
 use qrad::progress::Progress;
 use qrad::radiosity::near_pairs::NearLimits;
 use qrad::report::Report;
@@ -153,6 +153,13 @@ fn chosen(cli: &Cli, scene: &TextScene) -> anyhow::Result<(Option<NearLimits>, V
         pilot + seconds
     );
     let mut said = vec![sentence];
+    if scene.patches.iter().any(|q| q.effects != PatchEffects::default()) {
+        said.push(
+            "expected errors are those of scenes without light that comes through and without \
+             patterns: the check at the end tells that of this one"
+                .into(),
+        );
+    }
     if error > target {
         said.push("the target is out of reach of all presets".into());
     }
