@@ -122,7 +122,7 @@ mod tests {
         chunk.push(&[], distances(f32::INFINITY, f32::INFINITY));
         chunk.push(&[(PatchId(0), 1.0)], distances(2.0, 1.5));
         let (row_of, drawn_at) = (vec![0, 1, 2, 2], vec![0, 1, 2, 2]);
-        Transfers { chunks: vec![chunk], row_of, drawn_at, drawn: 3 }
+        Transfers { chunks: vec![chunk], row_of, drawn_at, drawn: 3, overlay: None }
     }
 
     #[test]
