@@ -77,15 +77,19 @@ impl Overlay {
 
     /// Whether patches of a polygon may have patterns: on maps all of a face have or none.
     pub fn may_vary(&self, patches: &PolygonPatches) -> bool {
-        let varies = |patch: &PatchId| matches!(self.patterns.get(patch.0 as usize), Some(Some(_)));
         match patches {
             PolygonPatches::None => false,
-            PolygonPatches::Whole(patch) => varies(patch),
+            PolygonPatches::Whole(patch) => self.varies(*patch),
             PolygonPatches::Grid(grid) => {
                 let known = |patch: &&PatchId| **patch != PatchGrid::DIVIDED;
-                grid.blocks.iter().find(known).is_none_or(varies)
+                grid.blocks.iter().find(known).is_none_or(|&patch| self.varies(patch))
             }
         }
+    }
+
+    /// Whether a patch has a pattern.
+    pub fn varies(&self, patch: PatchId) -> bool {
+        matches!(self.patterns.get(patch.0 as usize), Some(Some(_)))
     }
 
     /// Light of `patch` at `point` over its mean, in each channel; `None` where it has no pattern.

@@ -168,7 +168,7 @@ fn eye_point(
 }
 
 /// Points along each axis of a cell at which patterns are looked at: one would alias.
-const ACROSS: u32 = 4;
+const ACROSS: u32 = 2;
 
 /// World points where rays spread evenly over a cell meet the plane of a polygon.
 fn points_of_cell(

@@ -103,7 +103,8 @@ impl Shading {
                 texel.map_or(Vec3::ONE, |c| c / 255.0 / self.mean.max(Vec3::splat(1e-3)))
             }
             Some(Modifier::Checker(size, colour)) => {
-                let odd = ((s / size).floor() + (t / size).floor()).rem_euclid(2.0) >= 1.0;
+                let [s, t] = [s, t].map(|x| (x / size).floor() as i64);
+                let odd = s.wrapping_add(t) & 1 == 1;
                 if odd { colour } else { Vec3::ONE }
             }
             Some(Modifier::Gradient([from, to], colour)) => {
