@@ -12,6 +12,7 @@ use crate::progress::{Deadline, Progress};
 use crate::radiosity::bounce::Bounced;
 use crate::radiosity::transfers::Transfers;
 use crate::report::Counts;
+use crate::scene::effects::check_switches;
 use crate::scene::{Scene, Sidecar};
 use crate::settings::Settings;
 use crate::stage::{self, Gathered, Points};
@@ -55,6 +56,7 @@ impl DirectLit {
         bsp.clear_lighting();
         bsp.rewrite_entities(settings.styles(bsp)?)?;
         let scene = Scene::build(bsp, sidecar, &settings.scene(textures))?;
+        check_switches(&scene, settings)?;
         let points = stage::place(&scene, settings, progress)?;
         let samples = points.samples();
         let (direct, partly) = if let Some(end) = aim::end_of_direct(settings.aim) {

@@ -7,7 +7,7 @@ use crate::lightmap;
 use crate::overlay_estimate::{ThroughCosts, curtain_cost};
 use crate::progress::Progress;
 use crate::report::Counts;
-use crate::scene::effects::{Cost, Effect, Plan, plan};
+use crate::scene::effects::{Cost, Effect, Plan, check_switches, plan};
 use crate::scene::{Scene, Sidecar};
 use crate::settings::Settings;
 use crate::{Result, stage};
@@ -44,6 +44,7 @@ pub fn explained(
     bsp.clear_lighting();
     bsp.rewrite_entities(settings.styles(bsp)?)?;
     let scene = Scene::build(bsp, sidecar, &settings.scene(textures))?;
+    check_switches(&scene, settings)?;
     let mut plan = plan(&scene, settings);
     let points = stage::place(&scene, settings, &Progress::new(false))?;
     let (seconds, rays) = sample_direct(&scene, &points);

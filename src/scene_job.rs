@@ -37,6 +37,8 @@ pub fn run(cli: &Cli, path: &Path, visible: bool, writing: &Mutex<()>) -> anyhow
     }
     let switches = cli.effects.switches()?;
     text_plan::apply(&switches, &mut scene);
+    let asked = text_plan::plan(&scene, cli.near().is_some(), &switches);
+    switches.check(|effect| asked.is_on(effect))?;
     if cli.effects.explain {
         let near = cli.near().is_some() && !switches.off(Effect::NearField);
         let mut plan = text_plan::plan(&scene, near, &switches);

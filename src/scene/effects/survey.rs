@@ -2,6 +2,7 @@
 
 use super::apply::kind_of_filter;
 use super::{Effect, Entry, Plan};
+use crate::Result;
 use crate::light::{Reaches, reaches};
 use crate::lightmap::Gather;
 use crate::outputs::LitFile;
@@ -25,6 +26,14 @@ pub fn plan(scene: &Scene, settings: &Settings) -> Plan {
         Entry { effect, on, reason, predicted: None, measured: None }
     });
     Plan { entries: entries.collect() }
+}
+
+/// Refuses effects that are switched on by hand and that neither the scene nor the settings tell enough of.
+///
+/// # Errors
+/// The first of them, with what to do.
+pub(crate) fn check_switches(scene: &Scene, settings: &Settings) -> Result<()> {
+    settings.switches.check(|effect| Survey { scene, settings }.of(effect).0)
 }
 
 struct Survey<'a> {
