@@ -81,7 +81,7 @@ fn needs(effect: Effect) -> Option<&'static str> {
         Effect::Minlight => Some("say how bright: --set _minlight=20"),
         Effect::Phong => Some("only brush models and texinfo with _phong can ask for this"),
         Effect::Fences | Effect::Glass | Effect::ModelShadows => {
-            Some("only brush models of the map can ask for this")
+            Some("only brush models, a material file or a text scene can ask for this")
         }
         Effect::Curtains | Effect::Shaders => {
             Some("only a material file or a text scene can ask for this")
