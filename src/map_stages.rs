@@ -70,18 +70,28 @@ impl DirectLit {
 
     /// Lets the light bounce.
     pub fn bounce(&self, settings: &Settings, progress: &Progress) -> BouncedLight {
+        self.bounce_until(settings, progress.no_deadline(), progress).expect("there is time")
+    }
+
+    /// The same if form factors are there by `end`; hemicubes at luxels are drawn until then.
+    pub fn bounce_until(
+        &self,
+        settings: &Settings,
+        end: Deadline<'_>,
+        progress: &Progress,
+    ) -> Option<BouncedLight> {
         let Self { scene, points, direct, .. } = self;
         let patches = stage::patches(scene, &points.luxels, settings, progress);
-        let transfers = stage::transfers(scene, &patches, settings, progress);
+        let transfers = stage::transfers(scene, &patches, settings, end, progress)?;
         let shining = stage::shining(scene, &patches, (points, direct), settings);
         let bounced = stage::bounce(scene, &patches, &transfers, &shining, settings, progress);
         let light = &bounced.styles;
         let sources = Sources { scene, patches: &patches, transfers: &transfers, light };
-        let gathered = stage::gather(sources, &points.luxels, settings, progress);
+        let gathered = stage::gather(sources, &points.luxels, settings, end, progress);
         let checked =
             stage::check(sources, &shining, &points.luxels, &gathered, settings, progress);
         let counts = Counts::new(scene, direct, &patches, &transfers, &bounced, &gathered);
-        BouncedLight { patches, transfers, bounced, gathered, counts, checked }
+        Some(BouncedLight { patches, transfers, bounced, gathered, counts, checked })
     }
 
     /// Guesses what bounces, all but at once.
@@ -89,8 +99,7 @@ impl DirectLit {
         let Self { scene, points, direct, .. } = self;
         let _stage = progress.stage("gather", 1);
         let gathered = stage::ambient(scene, (points, direct), settings);
-        let patches = MapPatches::default();
-        let transfers = stage::transfers(scene, &patches, settings, progress);
+        let (patches, transfers) = (MapPatches::default(), Transfers::default());
         let bounced = Bounced::default();
         let counts = Counts::new(scene, direct, &patches, &transfers, &bounced, &gathered);
         BouncedLight { patches, transfers, bounced, gathered, counts, checked: (None, None) }

@@ -65,6 +65,11 @@ impl Progress {
         Deadline { progress: self, at }
     }
 
+    /// No time at which anything is to stop.
+    pub fn no_deadline(&self) -> Deadline<'_> {
+        self.deadline(Duration::MAX)
+    }
+
     /// Begins a stage of `total` steps; it ends when the value returned is dropped.
     pub fn stage(&self, name: &'static str, total: usize) -> Stage<'_> {
         let target =

@@ -53,8 +53,7 @@ impl Quality {
     /// Cells along the edge of a hemicube, on maps.
     pub fn hemicube(self) -> u32 {
         match self {
-            Self::Draft | Self::Normal => 16,
-            Self::High => 32,
+            Self::Draft | Self::Normal | Self::High => 16,
             Self::Final => 64,
         }
     }

@@ -145,13 +145,14 @@ pub(crate) fn patches(
     }
 }
 
-/// Form factors between the patches, drawn or as they were kept.
+/// Form factors between the patches, drawn or as they were kept; `None` if they are not there by `end`.
 pub(crate) fn transfers(
     scene: &Scene,
     patches: &MapPatches,
     settings: &Settings,
+    end: Deadline<'_>,
     progress: &Progress,
-) -> Transfers {
+) -> Option<Transfers> {
     let count = patches.set.patches.len();
     let stage = progress.stage("form factors", count);
     let (tracer, leaders) = (scene.bounce_tracer(), patches.leaders());
@@ -161,13 +162,17 @@ pub(crate) fn transfers(
     let cache = settings.cache.as_ref().filter(|_| count > 0 && patches.set.overlay.is_none());
     let kept = cache.map(|cache| (cache, Key::new(tracer, &patches.set, sharing, size)));
     if let Some(transfers) = kept.as_ref().and_then(|(cache, key)| cache.load(*key, count)) {
-        return transfers;
+        return Some(transfers);
     }
-    let transfers = Transfers::shared(tracer, &patches.set, sharing, size, |n| stage.advance(n));
+    let goes_on = |n| {
+        stage.advance(n);
+        !end.passed()
+    };
+    let transfers = Transfers::shared_while(tracer, &patches.set, sharing, size, goes_on)?;
     if let Some((cache, key)) = kept {
         cache.keep(key, &transfers);
     }
-    transfers
+    Some(transfers)
 }
 
 /// Light of the patches before any bounce.
@@ -245,16 +250,19 @@ pub(crate) struct Gathered {
     pub hemicubes: u64,
 }
 
-/// Indirect light at every luxel.
+/// Indirect light at every luxel, of hemicubes at luxels until `end`.
 pub(crate) fn gather(
     sources: lightmap::Sources<'_>,
     samples: &[Vec<Sample>],
     settings: &Settings,
+    end: Deadline<'_>,
     progress: &Progress,
 ) -> Gathered {
     let stage = progress.stage("gather", samples.iter().map(Vec::len).sum());
     let how = settings.gathering();
-    let (maps, hemicubes) = lightmap::indirect(sources, samples, how, |n| stage.advance(n));
+    let advance = |n| stage.advance(n);
+    let time = || !end.passed();
+    let (maps, hemicubes) = lightmap::indirect_while(sources, samples, how, time, advance);
     Gathered { maps, hemicubes }
 }
 

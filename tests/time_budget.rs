@@ -6,6 +6,7 @@ mod support;
 use qrad::aim::{Aim, Ladder};
 use qrad::bsp::Bsp;
 use qrad::light::{InTime, Receivers, direct_from, direct_in_time};
+use qrad::lightmap::FinishedFace;
 use qrad::progress::Progress;
 use qrad::scene::{Sample, Scene, SceneSettings, Sidecar, luxels};
 use qrad::settings::Settings;
@@ -94,10 +95,27 @@ fn settings() -> Settings {
     Settings { aim: Aim::Time(1000.0), ladder, ..Settings::default() }
 }
 
+fn light_whole() -> MapLight {
+    let (sidecar, progress) = (Sidecar::default(), Progress::new(false));
+    let mut map = bsp("styles.bsp");
+    light_bsp(&mut map, sidecar, Vec::new(), &Settings::default(), &progress).unwrap()
+}
+
+/// Whether there is light of any style at each luxel.
+fn lit_luxels(lit: &MapLight) -> Vec<bool> {
+    let luxels = lit.scene.surfaces.iter().map(|s| s.luxels.as_ref().map_or(0, |g| g.len()));
+    let faces = lit.faces.iter().zip(luxels);
+    let bright = |face: &FinishedFace, i: usize| {
+        face.styles.iter().any(|style| style.levels[i].iter().any(|&level| level > 3))
+    };
+    faces.flat_map(|(face, luxels)| (0..luxels).map(move |i| bright(face, i))).collect()
+}
+
 #[test]
 fn maps_are_whole_whenever_time_is_over() {
     let mut luxels_drawn = Vec::new();
-    for looks in [0, 3, 120, 400, 440, 480, 520, 2000] {
+    let whole = lit_luxels(&light_whole());
+    for looks in [0, 3, 120, 400, 440, 480, 520, 560, 600, 650, 2000] {
         let (progress, seen) = jumping(looks);
         let (mut map, unlit) = (bsp("styles.bsp"), bsp("styles.bsp"));
         let lit: MapLight =
@@ -108,6 +126,12 @@ fn maps_are_whole_whenever_time_is_over() {
         assert!(!again.lighting.is_empty(), "{looks} looks: a map without light");
         println!("{looks} of {} looks: {:?}", seen.load(Ordering::Relaxed), lit.choices);
         let [patches, luxels] = lit.counts.hemicubes;
+        let lit_now = lit_luxels(&lit);
+        assert!(lit_now.len() == whole.len());
+        if !lit.choices.iter().any(|s| s.contains("direct light")) {
+            let dark = whole.iter().zip(&lit_now).filter(|(whole, now)| **whole && !**now).count();
+            assert!(dark * 50 < whole.len(), "{looks} looks: {dark} of {} dark", whole.len());
+        }
         if progress.elapsed() > Duration::ZERO && patches + luxels == 0 {
             assert!(lit.choices.iter().any(|s| s.contains("too few")), "{:?}", lit.choices);
         }

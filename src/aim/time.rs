@@ -56,15 +56,12 @@ pub(super) fn for_time(
     }
     let rungs = settings.ladder.rungs();
     let mut costs = Costs::measure_rough(&direct.scene, &direct.points.luxels);
-    if costs.seconds(&rungs[0]) > FILLED * left() {
-        return guess(said);
-    }
     // Hemicubes at all luxels come last: they can stop at any of them.
-    let run = |rung: &Rung| {
+    let run = |rung: &Rung, end: f64| {
         let gather = Gather::Interpolate;
         let settings = Settings { check: false, gather, ..rung.settings(settings) };
-        let light = direct.bounce(&settings, progress);
-        (light, settings)
+        let end = progress.deadline(Duration::from_secs_f64(end.max(0.0)));
+        Some((direct.bounce_until(&settings, end, progress)?, settings))
     };
     let mut best = None;
     // How many times longer it takes than predicted.
@@ -72,21 +69,23 @@ pub(super) fn for_time(
     let rough = costs.seconds(&rungs[0]);
     if rough < ROUGH * left() {
         let begun = progress.elapsed().as_secs_f64();
-        let light = run(&rungs[0]);
+        best = run(&rungs[0], end).map(|light| (0, light));
         let taken = progress.elapsed().as_secs_f64() - begun;
         slower = (taken / rough.max(1e-6)).clamp(0.5, 3.0);
-        if settings.keep_partial {
+        if let Some((_, light)) = best.as_ref().filter(|_| settings.keep_partial) {
             keep(&light.0);
         }
-        best = Some((0, light));
         costs = Costs::measure(&direct.scene, &direct.points.luxels);
     }
     let fits = |r: &Rung| slower * costs.seconds(r) <= FILLED * left();
     let choice = rungs.iter().rposition(fits).unwrap_or(0);
-    let (_, (mut light, chosen)) = match best {
-        Some(best) if best.0 >= choice => best,
-        _ => (choice, run(&rungs[choice])),
-    };
+    // What does not fit by prediction may do so all the same: it is tried until there is no time left.
+    if best.as_ref().is_none_or(|b| b.0 < choice)
+        && let Some(light) = run(&rungs[choice], end)
+    {
+        best = Some((choice, light));
+    }
+    let Some((choice, (mut light, chosen))) = best else { return guess(said) };
     say(&mut said, format!("for a time of {seconds} s: {}", rungs[choice].text()));
     // The check comes last, when luxels are done.
     let check = if settings.check { settings.check_share * seconds } else { 0.0 };

@@ -2,7 +2,8 @@
 
 use super::choice::Random;
 use super::corners::in_corner;
-use super::walk::{Bundle, Direct, Lamps, Lit, Met, cosine, passages};
+use super::lamps::Lamps;
+use super::walk::{Bundle, Direct, Lit, Met, cosine, passages};
 use super::{Again, Energy, Findings, Points, check};
 use crate::light::StyleLight;
 use crate::lightmap::Sources;

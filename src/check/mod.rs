@@ -13,16 +13,18 @@
 mod choice;
 mod corners;
 mod energy;
+mod lamps;
 mod map_light;
 mod statistics;
 mod text_light;
 mod walk;
 
 pub use energy::Energy;
+pub use lamps::Lamps;
 pub use map_light::{MapLuxels, Run, check_luxels};
 pub use statistics::{Findings, Odd};
 pub use text_light::{TextQuads, check_patches};
-pub use walk::{Direct, Lamps, Lit, Met};
+pub use walk::{Direct, Lit, Met};
 
 use crate::progress::Deadline;
 use choice::spread;

@@ -1,6 +1,7 @@
 //! Checking text scenes: light that patches reflect, as means over their areas.
 
-use super::walk::{Bundle, Direct, Lamps, Lit, Met, passages, within};
+use super::lamps::{Lamps, within};
+use super::walk::{Bundle, Direct, Lit, Met, passages};
 use super::{Again, Energy, Findings, Points, check};
 use crate::patch::{MAX_REFLECTANCE, TextPatches, TextScene};
 use crate::progress::Deadline;

@@ -24,6 +24,9 @@ use clap_complete::Shell;
 use std::path::{Path, PathBuf};
 use values::{bounce_count, key_value};
 
+/// Least cells along the edge of a hemicube where lamps emit as areas.
+const AREA_CELLS: u32 = 32;
+
 /// Lights a Quake map with real radiosity: run it after qbsp and vis.
 ///
 /// `qrad map.bsp` computes direct light as ericw-tools' light does, bounces it between the surfaces of
@@ -80,7 +83,7 @@ pub struct Cli {
     #[arg(long, value_enum, default_value_t, requires = "patches", help_heading = "Bounced light")]
     pub near_field: NearFieldArg,
 
-    /// Edge of a hemicube in cells, even: more is finer and slower [default: 16; high and area lights: 32; final: 64]
+    /// Edge of a hemicube in cells, even: more is finer and slower [default: 16; area lights: 32; final: 64]
     #[arg(long, value_name = "CELLS", help_heading = "Bounced light")]
     pub hemicube: Option<u32>,
 
@@ -223,7 +226,7 @@ impl Cli {
         }
         // Lamps that emit as areas are small and bright: no luxel may miss one.
         let area = matches!(self.surface_lights, SurfaceLightsArg::Area);
-        let least = if area { Quality::High.hemicube() } else { 0 };
+        let least = if area { AREA_CELLS } else { 0 };
         let cells = self.hemicube.unwrap_or(self.quality.hemicube().max(least));
         Settings {
             hemicube: HemicubeSize::new(cells, cells)?,

@@ -66,6 +66,18 @@ pub fn indirect(
     settings: GatherSettings,
     advance: impl Fn(u64) + Sync,
 ) -> (Vec<Vec<StyleLight>>, u64) {
+    indirect_while(sources, samples, settings, || true, advance)
+}
+
+/// The same with hemicubes at luxels for as long as there is `time`; those that still lack light then
+/// get that of their patch.
+pub(crate) fn indirect_while(
+    sources: Sources<'_>,
+    samples: &[Vec<Sample>],
+    settings: GatherSettings,
+    time: impl Fn() -> bool + Sync,
+    advance: impl Fn(u64) + Sync,
+) -> (Vec<Vec<StyleLight>>, u64) {
     if sources.light.is_empty() {
         return (vec![Vec::new(); samples.len()], 0);
     }
@@ -86,10 +98,15 @@ pub fn indirect(
         let mut known = known_patches(sources, settings.error);
         interpolate(sources, &known, &mut faces);
         // Every other luxel of those left, and then the rest between them.
-        hemicubes += drawn.fill(&mut faces, every_other, Some(&mut known));
-        interpolate(sources, &known, &mut faces);
+        hemicubes += drawn.fill(&mut faces, (every_other, &time), Some(&mut known));
+        if time() {
+            interpolate(sources, &known, &mut faces);
+        }
     }
-    hemicubes += drawn.fill(&mut faces, |_| true, None);
+    hemicubes += drawn.fill(&mut faces, (|_: &Sample| true, &time), None);
+    if !time() {
+        as_patches(sources, &mut faces);
+    }
     add_passing(sources, &mut faces);
     let maps = faces
         .into_par_iter()
@@ -99,6 +116,19 @@ pub fn indirect(
         })
         .collect();
     (maps, hemicubes)
+}
+
+/// Gives luxels that are still dark the light of their patch.
+fn as_patches(sources: Sources<'_>, faces: &mut [Face<'_>]) {
+    faces.par_iter_mut().enumerate().for_each(|(surface, face)| {
+        for i in face.missing().collect::<Vec<_>>() {
+            let patch = sources.patches.at(surface, face.samples[i].position);
+            face.light[i] = patch.map(|patch| {
+                let of = |style: &PatchLight| style.irradiance[patch.0 as usize].0.as_dvec3();
+                sources.light.iter().map(of).collect()
+            });
+        }
+    });
 }
 
 /// Adds what comes through thin brushes from their other side.
@@ -228,12 +258,12 @@ impl<'a> Drawn<'a> {
         &self.delta
     }
 
-    /// Draws a hemicube at every luxel that still needs light and is `wanted`; adds
-    /// them to `known`. Returns how many.
+    /// Draws a hemicube at every luxel that still needs light and is `wanted`, while there is `time`;
+    /// adds them to `known`. Returns how many.
     fn fill(
         &self,
         faces: &mut [Face<'_>],
-        wanted: impl Fn(&Sample) -> bool + Sync,
+        (wanted, time): (impl Fn(&Sample) -> bool + Sync, &(impl Fn() -> bool + Sync)),
         known: Option<&mut Interpolator>,
     ) -> u64 {
         let Sources { scene, patches, .. } = self.sources;
@@ -245,6 +275,7 @@ impl<'a> Drawn<'a> {
                     let here: Vec<usize> =
                         face.missing().filter(|&i| wanted(&face.sample(i))).collect();
                     here.into_iter()
+                        .take_while(|_| time())
                         .map(|i| {
                             let sample = face.sample(i);
                             let (at, seed) = (sample.position, seed(sample.position));

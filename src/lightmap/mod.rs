@@ -23,6 +23,7 @@ pub use faces::finish_faces;
 pub use finish::{
     FinishSettings, FinishedFace, FinishedStyle, LAST_BYTE_STYLE, Smoothing, StyleChoice, finish,
 };
+pub(crate) use indirect::indirect_while;
 pub use indirect::{Gather, GatherSettings, Sources, indirect};
 pub use light_grid::{GridSources, light_grid};
 pub use pack::{Block, Packed, Vanilla, hdr_colour, pack};

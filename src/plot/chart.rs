@@ -8,6 +8,9 @@ use std::ops::Range;
 
 /// Width and height of a chart in pixels.
 const SIZE: [u32; 2] = [860, 540];
+/// Size of the legend's letters. The library takes them for 0.455 of it wide, those of pictures are 8
+/// pixels wide: its box fits both.
+const LEGEND: f64 = 17.6;
 
 /// How the points of a series are drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -126,7 +129,7 @@ impl Chart {
             .configure_series_labels()
             .border_style(BLACK)
             .background_style(WHITE.mix(0.85))
-            .label_font(("sans-serif", 13))
+            .label_font(("sans-serif", LEGEND))
             .draw()?;
         area.present()
     }

@@ -104,7 +104,11 @@ impl Transfers {
     ) -> Self {
         let all: Vec<u32> = (0..patches.patches.len() as u32).collect();
         let mut transfers = Self::undrawn(all.len());
-        transfers.draw(tracer, patches, size, &all, advance);
+        let goes_on = |n| {
+            advance(n);
+            true
+        };
+        transfers.draw(tracer, patches, size, &all, &goes_on).expect("not stopped");
         transfers
     }
 
@@ -119,10 +123,26 @@ impl Transfers {
         size: HemicubeSize,
         advance: impl Fn(u64) + Sync,
     ) -> Self {
+        let goes_on = |n| {
+            advance(n);
+            true
+        };
+        Self::shared_while(tracer, patches, (leaders, share), size, goes_on).expect("not stopped")
+    }
+
+    /// The same for as long as `goes_on(n)`, which is told of every n rows done, is true; `None` if it
+    /// is not.
+    pub fn shared_while(
+        tracer: &Tracer,
+        patches: &PatchSet,
+        (leaders, share): (&[u32], f32),
+        size: HemicubeSize,
+        goes_on: impl Fn(u64) -> bool + Sync,
+    ) -> Option<Self> {
         let all = 0..leaders.len() as u32;
         let (first, rest): (Vec<u32>, Vec<u32>) = all.partition(|&i| leaders[i as usize] == i);
         let mut transfers = Self::undrawn(leaders.len());
-        transfers.draw(tracer, patches, size, &first, &advance);
+        transfers.draw(tracer, patches, size, &first, &goes_on)?;
         let alone: Vec<u32> = rest
             .par_iter()
             .copied()
@@ -142,9 +162,9 @@ impl Transfers {
             transfers.row_of[i as usize] = transfers.row_of[leader as usize];
             transfers.drawn_at[i as usize] = leader;
         }
-        advance((rest.len() - alone.len()) as u64);
-        transfers.draw(tracer, patches, size, &alone, advance);
-        transfers
+        goes_on((rest.len() - alone.len()) as u64);
+        transfers.draw(tracer, patches, size, &alone, &goes_on)?;
+        Some(transfers)
     }
 
     /// For `count` patches whose rows are still to be drawn.
@@ -152,15 +172,15 @@ impl Transfers {
         Self { row_of: vec![0; count], drawn_at: vec![0; count], ..Self::default() }
     }
 
-    /// Draws hemicubes at these patches.
+    /// Draws hemicubes at these patches while it `goes_on`.
     fn draw(
         &mut self,
         tracer: &Tracer,
         patches: &PatchSet,
         size: HemicubeSize,
         members: &[u32],
-        advance: impl Fn(u64) + Sync,
-    ) {
+        goes_on: &(impl Fn(u64) -> bool + Sync),
+    ) -> Option<()> {
         let before = self.chunks.len() * CHUNK;
         for (k, &i) in members.iter().enumerate() {
             self.row_of[i as usize] = (before + k) as u32;
@@ -168,22 +188,26 @@ impl Transfers {
         }
         self.drawn += members.len() as u64;
         let delta = DeltaFormFactors::new(size);
-        self.chunks.par_extend(members.par_chunks(CHUNK).map_init(
-            || Gatherer::new(tracer, patches, &delta, size),
-            |gatherer, members| {
-                let mut rows = Chunk::default();
-                for &i in members {
-                    let patch = &patches.patches[i as usize];
-                    gatherer.look(&View::turned(patch.eye, patch.normal, i.into()));
-                    rows.push(gatherer.row(), gatherer.distances());
-                    rows.overlay.extend(gatherer.overlay_row());
-                }
-                advance(members.len() as u64);
-                rows.runs.shrink_to_fit();
-                rows.weights.shrink_to_fit();
-                rows
-            },
-        ));
+        let drawn: Option<Vec<Chunk>> = members
+            .par_chunks(CHUNK)
+            .map_init(
+                || Gatherer::new(tracer, patches, &delta, size),
+                |gatherer, members| {
+                    let mut rows = Chunk::default();
+                    for &i in members {
+                        let patch = &patches.patches[i as usize];
+                        gatherer.look(&View::turned(patch.eye, patch.normal, i.into()));
+                        rows.push(gatherer.row(), gatherer.distances());
+                        rows.overlay.extend(gatherer.overlay_row());
+                    }
+                    rows.runs.shrink_to_fit();
+                    rows.weights.shrink_to_fit();
+                    goes_on(members.len() as u64).then_some(rows)
+                },
+            )
+            .collect();
+        self.chunks.extend(drawn?);
+        Some(())
     }
 
     /// Improves the rows that one hemicube of `size` at the middle of a patch gets wrong, see

@@ -152,6 +152,7 @@ impl Bench for MapBench<'_> {
         }
         with(1, 16, 0.1, 0.25);
         with(1, 32, 0.02, 0.0);
+        with(2, 32, 0.02, 0.0);
         // These take the most memory, which the system may not give back at once.
         for extra in [2, 4] {
             let smoothing = Smoothing { extra, soft: 0 };
