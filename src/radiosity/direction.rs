@@ -9,10 +9,9 @@
 //! an iterative method for solving sparse sets of simultaneous linear equations", 1976; S. Eisenstat, H.
 //! Elman and M. Schultz, "Variational iterative methods for nonsymmetric systems of linear equations", 1983).
 
+use super::solve::PIECE;
 use rayon::prelude::*;
 
-/// Patches whose products are summed as one piece.
-const PIECE: usize = 4096;
 /// A pass that leaves more than this share of the largest patch's light, and more than a plain one would, is
 /// made a plain one.
 const ENOUGH: f64 = 0.9;
@@ -120,4 +119,65 @@ fn largest<const C: usize>(
         .with_min_len(PIECE)
         .map(|(a, b)| std::array::from_fn(|c| value(a[c], b[c], c).abs()))
         .reduce(|| [0.0; C], larger)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Passes until 1e-9 of the light of patch 0 is left, plain or not, and the light then.
+    fn passes(back: impl Fn(&[[f64; 2]]) -> Vec<[f64; 2]>, plain: bool) -> (u32, Vec<[f64; 2]>) {
+        let mut unsent = vec![[0.0_f64; 2]; 60];
+        unsent[0] = [1.0, -3.0];
+        let mut total = unsent.clone();
+        let (mut passes, mut direction) = (0, None);
+        while unsent.as_flattened().iter().any(|m| m.abs() > 1e-9) {
+            let returned = back(&unsent);
+            if plain {
+                for (total, m) in total.as_flattened_mut().iter_mut().zip(returned.as_flattened()) {
+                    *total += m;
+                }
+                unsent = returned;
+            } else {
+                direction = Some(Direction::pass(direction, &mut total, &mut unsent, &returned));
+            }
+            passes += 1;
+        }
+        (passes, total)
+    }
+
+    fn compare(back: impl Fn(&[[f64; 2]]) -> Vec<[f64; 2]>) -> [u32; 2] {
+        let ((plain, expected), (few, total)) = (passes(&back, true), passes(&back, false));
+        let off = |(a, b): (&f64, &f64)| (a - b).abs();
+        let pairs = expected.as_flattened().iter().zip(total.as_flattened());
+        assert!(pairs.map(off).fold(0.0, f64::max) < 1e-7);
+        println!("{few} passes for {plain}");
+        [few, plain]
+    }
+
+    #[test]
+    fn neighbours_that_light_each_other_take_few_passes() {
+        let [few, plain] = compare(|m| {
+            let sides = |i: usize, c: usize| m[(i + 1) % 60][c] + m[(i + 59) % 60][c];
+            (0..60).map(|i| [0.47 * sides(i, 0), 0.3 * sides(i, 1)]).collect()
+        });
+        assert!(few * 3 < plain, "{few} and {plain}");
+    }
+
+    #[test]
+    fn light_that_only_goes_round_ends_as_soon_as_by_plain_passes_or_a_tenth_a_pass() {
+        for share in [0.5, 0.95, 0.99] {
+            let [few, plain] =
+                compare(|m| (0..60).map(|i| m[(i + 59) % 60].map(|m| share * m)).collect());
+            assert!(few <= plain.max(230), "{few} and {plain}");
+        }
+    }
+
+    #[test]
+    fn dark_channels_and_patches_that_return_nothing_leave_no_nonsense() {
+        let [few, plain] = compare(|m| m.iter().map(|_| [0.0; 2]).collect());
+        assert_eq!([few, plain], [1, 1]);
+        let [few, _] = compare(|m| (0..60).map(|i| [0.0, 0.9 * m[i][1]]).collect());
+        assert!(few <= 3, "{few}");
+    }
 }

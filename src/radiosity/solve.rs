@@ -11,6 +11,10 @@ use crate::patch::Passage;
 use crate::photometry::{Exitance, Irradiance, Reflectance};
 use crate::scene::effects::COMPILED;
 use glam::Vec3;
+use rayon::prelude::*;
+
+/// Patches that are treated as one piece.
+pub(super) const PIECE: usize = 4096;
 
 /// When to stop.
 #[derive(Clone, Copy, Debug)]
@@ -203,9 +207,8 @@ fn sent_on<const C: usize>(surfaces: Surfaces<'_>, arriving: Vec<[f64; C]>) -> V
     let passages = if COMPILED { surfaces.passages } else { &[] };
     let through: Vec<[f64; C]> =
         passages.iter().map(|p| product(light[p.from.0 as usize], p.transmittance)).collect();
-    for (m, rho) in light.iter_mut().zip(surfaces.reflectance) {
-        *m = product(*m, rho.0);
-    }
+    let reflecting = light.par_iter_mut().zip(surfaces.reflectance).with_min_len(PIECE);
+    reflecting.for_each(|(m, rho)| *m = product(*m, rho.0));
     for (passage, through) in passages.iter().zip(through) {
         add(&mut light[passage.to.0 as usize], through);
     }
@@ -227,5 +230,7 @@ fn limited(light: Vec3) -> Vec3 {
 
 /// Largest absolute value of any channel.
 fn largest<const C: usize>(light: &[[f64; C]]) -> f64 {
-    light.as_flattened().iter().fold(0.0, |max, m| max.max(m.abs()))
+    let of_piece =
+        |piece: &[[f64; C]]| piece.as_flattened().iter().fold(0.0_f64, |max, m| max.max(m.abs()));
+    light.par_chunks(PIECE).map(of_piece).reduce(|| 0.0, f64::max)
 }
