@@ -11,8 +11,8 @@ use crate::settings::Settings;
 use crate::{Result, stage};
 use std::time::Duration;
 
-/// Bytes of a stored form factor and its share of a run of columns, about.
-const FACTOR_BYTES: f64 = 5.0;
+/// The most bytes of a stored form factor and its column.
+const FACTOR_BYTES: f64 = 6.0;
 
 /// Bytes that so many form factors take, about.
 pub(crate) fn factor_bytes(count: usize) -> u64 {
