@@ -85,7 +85,7 @@ mod solve {
     fn until_settled(bencher: Bencher<'_, '_>, name: &str) {
         let map = prepared(name);
         let direct = map.direct();
-        bencher.bench_local(|| map.bounce(&direct).bounces);
+        bencher.bench_local(|| map.bounce(&direct).passes);
     }
 
     /// A box without colour, ready to be solved.

@@ -16,8 +16,8 @@ use std::time::Duration;
 /// Effects of what light comes through or is sent back by unevenly, while it bounces.
 const THROUGH: [Effect; 3] = [Effect::Glass, Effect::Curtains, Effect::Shaders];
 
-/// Bytes of a stored form factor and its share of a run of columns, about.
-const FACTOR_BYTES: f64 = 5.0;
+/// The most bytes of a stored form factor and its column.
+const FACTOR_BYTES: f64 = 6.0;
 
 /// Bytes that so many form factors take, about.
 pub(crate) fn factor_bytes(count: usize) -> u64 {

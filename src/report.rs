@@ -44,8 +44,10 @@ pub struct Counts {
     pub smoothed: u64,
     /// Hemicubes for the least light of brush models.
     pub probes: u64,
-    /// Most bounces in any style.
-    pub bounces: u32,
+    /// Most passes in any style.
+    pub passes: u32,
+    /// Whether each of these was a bounce, as their number was limited.
+    pub limited: bool,
     /// Channels of light that bounced; `None` without bounces.
     pub channels: Option<Channels>,
     /// Largest share of light left unsent in any style.
@@ -87,7 +89,8 @@ impl Counts {
                 true => 0,
                 false => lightmap::probe_hemicubes(scene, points.samples()),
             },
-            bounces: bounced.bounces,
+            passes: bounced.passes,
+            limited: scene.world.bounce.most.is_some(),
             channels: bounced.channels,
             residual: bounced.residual,
         }
@@ -105,7 +108,9 @@ impl Counts {
         report.count("patch hemicubes", self.hemicubes[0]);
         report.count("luxel hemicubes", self.hemicubes[1]);
         report.count("transfers", self.transfers as u64);
-        report.row("bounces", self.bounces);
+        let passes = self.passes;
+        let all = format!("all, in {passes} passes");
+        report.row("bounces", if self.limited { passes.to_string() } else { all });
         report.count("channels", self.channels.map_or(0, Channels::count));
         report.row("residual", format!("{:.1e}", self.residual));
     }

@@ -4,10 +4,10 @@
 mod support;
 
 use glam::{DVec3, Vec3};
-use qrad::patch::{TextPatches, TextScene};
+use qrad::patch::{Passage, PatchId, TextPatches, TextScene};
 use qrad::photometry::{Exitance, Irradiance, Reflectance};
 use qrad::progress::Progress;
-use qrad::radiosity::solve::{Limits, Solution, Sources, solve};
+use qrad::radiosity::solve::{Limits, Solution, Sources, solve, solve_with};
 use qrad::radiosity::transfers::Transfers;
 use support::quads::{BLACK, Light, cuboid, grid, scene, transfers};
 
@@ -169,6 +169,55 @@ fn the_solution_satisfies_the_radiosity_equation() {
         // The measure itself can tell: one bounce less than all is no solution.
         let early = solve(&transfers, &rho, sources, Limits { passes: Some(2), residual: 1e-12 });
         assert!(residual(&transfers, &rho, sources, &early.exitance) > 1e-3);
+    }
+}
+
+/// Without a limit of passes, they are not bounces, but end at the same light.
+#[test]
+fn few_passes_find_what_all_bounces_do() {
+    let (patches, transfers, colours) = colourful();
+    let count = patches.set.patches.len();
+    let mut emission = vec![Exitance::ZERO; count];
+    emission[3] = Exitance(Vec3::new(20.0, 5.0, 0.0));
+    // A light that takes away.
+    emission[100] = Exitance(Vec3::new(-7.0, 0.0, 0.0));
+    let direct: Vec<Irradiance> =
+        (0..count).map(|i| Irradiance(Vec3::new((i % 5) as f32, 0.0, -0.5))).collect();
+    // Light goes through from each patch of the box to another.
+    let passage = |i: usize| Passage {
+        from: PatchId(i as u32),
+        to: PatchId((count - 1 + 96 - i) as u32),
+        transmittance: Vec3::new(0.08, 0.02, 0.0),
+    };
+    let through: Vec<Passage> = (96..count).map(passage).collect();
+    let bright = vec![Reflectance(Vec3::splat(0.99)); count];
+    for (name, rho, passages) in
+        [("colours", &colours, &[][..]), ("bright", &bright, &[]), ("sheets", &colours, &through)]
+    {
+        for (emission, direct) in [(&emission, &direct[..]), (&emission, &[])] {
+            let sources = Sources { emission, direct };
+            for limit in [1e-3, 1e-5, 1e-9] {
+                let solved = |passes| {
+                    let limits = Limits { passes, residual: limit };
+                    solve_with(&transfers, rho, passages, sources, limits)
+                };
+                let (few, all) = (solved(None), solved(Some(100_000)));
+                println!("{name}, {limit:.0e}: {} passes, {} bounces", few.passes, all.passes);
+                assert!(few.settled && all.settled && few.residual <= limit);
+                assert!(few.passes <= all.passes, "{name}: {}", few.passes);
+                assert!(limit > 1e-5 || few.passes * 4 <= all.passes * 3, "{}", few.passes);
+                let most = all.exitance.iter().map(|m| m.0.abs().max_element()).fold(0.0, f32::max);
+                let pairs = few.exitance.iter().zip(&all.exitance);
+                let off = pairs.map(|(a, b)| (a.0 - b.0).abs().max_element()).fold(0.0, f32::max);
+                // What is left comes back at most 1 / (1 - 0.99) times.
+                let may = 2.0 * limit / (1.0 - 0.99) + 1e-6;
+                assert!(f64::from(off / most) <= may, "{name}: {} off", off / most);
+                if passages.is_empty() {
+                    let left = residual(&transfers, rho, sources, &few.exitance);
+                    assert!(left <= few.residual + 1e-6, "{name}: {left}, not {}", few.residual);
+                }
+            }
+        }
     }
 }
 

@@ -20,10 +20,10 @@ const INTERPOLATED: f64 = 0.06;
 const OF_LUXEL: f64 = 0.95;
 /// Share of the patches that draw their own hemicube where sharing is allowed.
 const OWN: f64 = 0.72;
-/// Seconds of a bounce for each form factor, on one thread.
-const BOUNCE: f64 = 2.5e-9;
-/// Bounces until light has settled, about.
-const BOUNCES: f64 = 9.0;
+/// Seconds of a pass of bounces for each form factor, on one thread.
+const PASS: f64 = 1.5e-9;
+/// Passes until light has settled, about.
+const PASSES: f64 = 10.0;
 /// Bytes of a form factor.
 const FACTOR_BYTES: f64 = 6.5;
 /// Bytes of a luxel in all that is kept for it.
@@ -144,7 +144,7 @@ impl Costs {
     pub fn seconds(&self, rung: &Rung) -> f64 {
         let [_, hemicubes, factors] = self.counts(rung);
         let hemicube = self.of(rung.cells).0;
-        let bounces = factors * BOUNCES * BOUNCE / rayon::current_num_threads() as f64;
+        let bounces = factors * PASSES * PASS / rayon::current_num_threads() as f64;
         let interpolated =
             if rung.gather_error == 0.0 { 0.0 } else { INTERPOLATED * self.of(16).0 };
         hemicubes * hemicube

@@ -32,8 +32,8 @@ pub struct PatchLight {
 pub struct Bounced {
     /// One solution a style, by ascending style; styles that reach no patch are left out.
     pub styles: Vec<PatchLight>,
-    /// Most bounces that any style took.
-    pub bounces: u32,
+    /// Most passes that any style took: bounces, if there is a limit to these.
+    pub passes: u32,
     /// Largest share of light left unsent in any style.
     pub residual: f64,
     /// Most channels that any style was carried in; `None` without bounces.
@@ -65,7 +65,7 @@ pub fn bounce(
         let mut solutions = solve_styles(surfaces, &sources, limits, channels);
         for (start, solution) in starts.iter().zip(&mut solutions) {
             start.add_what_shines(&mut solution.exitance);
-            bounced.bounces = bounced.bounces.max(solution.passes);
+            bounced.passes = bounced.passes.max(solution.passes);
             bounced.residual = bounced.residual.max(solution.residual);
         }
         bounced.channels = bounced.channels.max(Some(channels));

@@ -4,6 +4,7 @@ pub mod area_points;
 pub mod bounce;
 pub mod channels;
 pub mod contour;
+mod direction;
 pub mod form_factor;
 pub mod hemicube;
 pub mod importance;

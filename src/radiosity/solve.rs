@@ -1,17 +1,26 @@
 //! Solving the radiosity equation M_i = E_i + rho_i (D_i + sum_j F_ij M_j) by passes of gathering. Where
 //! light passes through sheets, M_i also has tau_k times what meets the other side k.
+//!
+//! With a limit of passes each is a bounce. Without one, passes are made to leave as little as they can
+//! ([`Direction`]).
 
 use super::channels::{Channels, channels, colour};
+use super::direction::Direction;
 use super::transfers::Transfers;
 use crate::patch::Passage;
 use crate::photometry::{Exitance, Irradiance, Reflectance};
 use crate::scene::effects::COMPILED;
 use glam::Vec3;
+use rayon::prelude::*;
+
+/// Patches that are treated as one piece.
+pub(super) const PIECE: usize = 4096;
 
 /// When to stop.
 #[derive(Clone, Copy, Debug)]
 pub struct Limits {
-    /// Largest number of passes (bounces), `None` for no limit.
+    /// Largest number of passes, each of which is a bounce then; `None` is until little is left, in
+    /// as few passes as that takes.
     pub passes: Option<u32>,
     /// Done when the light still to be sent is at most this share of all light, in (0, 1).
     pub residual: f64,
@@ -33,7 +42,8 @@ pub struct Solution {
     pub exitance: Vec<Exitance>,
     /// Passes made.
     pub passes: u32,
-    /// Share of all light that was still to be sent.
+    /// Share of all light that was still to be sent: how far the equation was from being solved before
+    /// what was still to be sent was counted as if it had been.
     pub residual: f64,
     /// Whether the residual fell to the limit before the passes were used up.
     pub settled: bool,
@@ -41,8 +51,8 @@ pub struct Solution {
     pub channels: Channels,
 }
 
-/// Sends the light on, pass by pass: what a patch reflects in one pass is what it sends in the next.
-/// Sums run in a fixed order in double precision, so the bytes do not depend on the number of
+/// Sends the light on, pass by pass. With a limit of passes, what a patch reflects in one is what it sends
+/// in the next; without, a pass sends a mixture of what is left and what the one before it sent. Sums run in a fixed order in double precision, so the bytes do not depend on the number of
 /// threads. `reflectance` below 1 makes it converge.
 pub fn solve(
     transfers: &Transfers,
@@ -110,7 +120,8 @@ fn solve_in<const C: usize>(
         let mut arriving = surfaces.transfers.gather_all(&sending).into_iter();
         for style in &mut open {
             let arriving = if style.sends() { arriving.next() } else { None };
-            style.pass(surfaces, arriving.unwrap_or_else(|| vec![[0.0; C]; style.total.len()]));
+            let arriving = arriving.unwrap_or_else(|| vec![[0.0; C]; style.total.len()]);
+            style.pass(surfaces, arriving, limits);
         }
     }
 }
@@ -123,6 +134,8 @@ struct Style<const C: usize> {
     unsent: Vec<[f64; C]>,
     /// Irradiance that the next pass reflects besides what the patches send each other.
     direct: Vec<[f64; C]>,
+    /// What the last pass added, where passes are more than bounces.
+    direction: Option<Direction<C>>,
     passes: u32,
     residual: f64,
     settled: bool,
@@ -135,6 +148,7 @@ impl<const C: usize> Style<C> {
             unsent: total.clone(),
             total,
             direct: sources.direct.iter().map(|e| channels(limited(e.0))).collect(),
+            direction: None,
             passes: 0,
             residual: 0.0,
             settled: false,
@@ -155,30 +169,24 @@ impl<const C: usize> Style<C> {
         largest(&self.unsent) > 0.0
     }
 
-    /// Reflects and lets through what is `arriving` at each patch, and direct light.
-    fn pass(&mut self, surfaces: Surfaces<'_>, arriving: Vec<[f64; C]>) {
-        let mut light = arriving;
-        for (sum, e) in light.iter_mut().zip(self.direct.drain(..)) {
+    /// Sends on what is `arriving` at each patch, and direct light.
+    fn pass(&mut self, surfaces: Surfaces<'_>, mut arriving: Vec<[f64; C]>, limits: Limits) {
+        let first = self.passes == 0;
+        self.passes += 1;
+        for (sum, e) in arriving.iter_mut().zip(std::mem::take(&mut self.direct)) {
             add(sum, e);
         }
-        let product = |a: [f64; C], b: Vec3| {
-            let b: [f64; C] = channels(b);
-            std::array::from_fn(|c| b[c] * a[c])
-        };
-        let passages = if COMPILED { surfaces.passages } else { &[] };
-        let through: Vec<[f64; C]> =
-            passages.iter().map(|p| product(light[p.from.0 as usize], p.transmittance)).collect();
-        for (m, rho) in light.iter_mut().zip(surfaces.reflectance) {
-            *m = product(*m, rho.0);
+        let returned = sent_on(surfaces, arriving);
+        if first || limits.passes.is_some() {
+            for (total, &m) in self.total.iter_mut().zip(&returned) {
+                add(total, m);
+            }
+            self.unsent = returned;
+        } else {
+            let before = self.direction.take();
+            let (total, unsent) = (&mut self.total, &mut self.unsent);
+            self.direction = Some(Direction::pass(before, total, unsent, &returned));
         }
-        for (passage, through) in passages.iter().zip(through) {
-            add(&mut light[passage.to.0 as usize], through);
-        }
-        for (total, &m) in self.total.iter_mut().zip(&light) {
-            add(total, m);
-        }
-        self.unsent = light;
-        self.passes += 1;
     }
 
     fn solution(self) -> Solution {
@@ -187,6 +195,24 @@ impl<const C: usize> Style<C> {
         let channels = if C == 1 { Channels::One } else { Channels::Three };
         Solution { exitance, passes, residual, settled, channels }
     }
+}
+
+/// What patches reflect and let through of what is `arriving` at them.
+fn sent_on<const C: usize>(surfaces: Surfaces<'_>, arriving: Vec<[f64; C]>) -> Vec<[f64; C]> {
+    let mut light = arriving;
+    let product = |a: [f64; C], b: Vec3| {
+        let b: [f64; C] = channels(b);
+        std::array::from_fn(|c| b[c] * a[c])
+    };
+    let passages = if COMPILED { surfaces.passages } else { &[] };
+    let through: Vec<[f64; C]> =
+        passages.iter().map(|p| product(light[p.from.0 as usize], p.transmittance)).collect();
+    let reflecting = light.par_iter_mut().zip(surfaces.reflectance).with_min_len(PIECE);
+    reflecting.for_each(|(m, rho)| *m = product(*m, rho.0));
+    for (passage, through) in passages.iter().zip(through) {
+        add(&mut light[passage.to.0 as usize], through);
+    }
+    light
 }
 
 fn add<const C: usize>(sum: &mut [f64; C], more: [f64; C]) {
@@ -204,5 +230,7 @@ fn limited(light: Vec3) -> Vec3 {
 
 /// Largest absolute value of any channel.
 fn largest<const C: usize>(light: &[[f64; C]]) -> f64 {
-    light.as_flattened().iter().fold(0.0, |max, m| max.max(m.abs()))
+    let of_piece =
+        |piece: &[[f64; C]]| piece.as_flattened().iter().fold(0.0_f64, |max, m| max.max(m.abs()));
+    light.par_chunks(PIECE).map(of_piece).reduce(|| 0.0, f64::max)
 }

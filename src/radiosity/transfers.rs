@@ -4,10 +4,12 @@ mod bytes;
 mod estimate;
 mod gather;
 mod gatherer;
+mod rows;
 
 pub(super) use gather::AT_A_TIME;
 pub use gatherer::{Distances, Gatherer, Interval};
 
+use self::rows::Chunk;
 use super::hemicube::{DeltaFormFactors, HemicubeSize, View};
 use super::near_pairs::NearPairs;
 use crate::patch::{Overlay, PatchId, PatchSet};
@@ -17,8 +19,6 @@ use glam::Vec3;
 use rayon::prelude::*;
 use std::sync::Arc;
 
-/// The longest that a run or the way to it may be.
-const LONGEST: u16 = u16::MAX;
 /// Rows computed, and stored, as one piece.
 const CHUNK: usize = 32;
 
@@ -39,66 +39,6 @@ pub struct Transfers {
     drawn: u64,
     /// What changes light on its way; `None` where nothing does.
     overlay: Option<Arc<Overlay>>,
-}
-
-/// Rows one after the other. Patches beside each other mostly have numbers beside each other, so columns
-/// are kept as runs: four bytes an entry and four a run.
-#[derive(Default)]
-struct Chunk {
-    distances: Vec<Distances>,
-    /// Where the entries of each row end in `weights`.
-    ends: Vec<u32>,
-    /// Where those of each row end in `runs`.
-    run_ends: Vec<u32>,
-    /// How many columns are left out since the run before, and how many follow each other then. What
-    /// is too long for one is several.
-    runs: Vec<[u16; 2]>,
-    weights: Vec<f32>,
-    /// What an overlay adds to each row; empty without one.
-    overlay: Vec<Vec<(u32, Vec3)>>,
-}
-
-impl Chunk {
-    fn push(&mut self, row: &[(PatchId, f64)], distances: Distances) {
-        self.distances.push(distances);
-        let (start, mut next) = (self.runs.len(), 0);
-        for &(j, f) in row {
-            let mut skip = j.0 - next;
-            while skip > u32::from(LONGEST) {
-                self.runs.push([LONGEST, 0]);
-                skip -= u32::from(LONGEST);
-            }
-            match self.runs[start..].last_mut() {
-                Some([_, length]) if skip == 0 && *length < LONGEST => *length += 1,
-                _ => self.runs.push([skip as u16, 1]),
-            }
-            self.weights.push(f as f32);
-            next = j.0 + 1;
-        }
-        self.ends.push(self.weights.len() as u32);
-        self.run_ends.push(self.runs.len() as u32);
-    }
-
-    /// Runs and weights of a row.
-    fn row(&self, i: usize) -> (&[[u16; 2]], &[f32]) {
-        let range = |ends: &[u32]| {
-            let from = if i == 0 { 0 } else { ends[i - 1] as usize };
-            from..ends[i] as usize
-        };
-        (&self.runs[range(&self.run_ends)], &self.weights[range(&self.ends)])
-    }
-
-    /// Columns and weights of a row.
-    fn entries(&self, i: usize) -> impl Iterator<Item = (u32, f32)> + '_ {
-        let (runs, weights) = self.row(i);
-        let mut column = 0;
-        let columns = runs.iter().flat_map(move |&[skip, length]| {
-            let first = column + u32::from(skip);
-            column = first + u32::from(length);
-            first..column
-        });
-        columns.zip(weights.iter().copied())
-    }
 }
 
 impl Transfers {
@@ -208,7 +148,7 @@ impl Transfers {
                         rows.push(gatherer.row(), gatherer.distances());
                         rows.overlay.extend(gatherer.overlay_row());
                     }
-                    rows.runs.shrink_to_fit();
+                    rows.columns.shrink_to_fit();
                     rows.weights.shrink_to_fit();
                     goes_on(members.len() as u64).then_some(rows)
                 },
@@ -334,30 +274,5 @@ impl Transfers {
     /// The patch from which the row of patch `i` was drawn: `i` itself, or one that it shares it with.
     pub fn drawn_at(&self, i: usize) -> usize {
         self.drawn_at[i] as usize
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn rows_come_back_however_far_apart_their_columns_are() {
-        let columns = [0, 1, 65_535, 131_070, 131_070 + 65_534, 500_000, 500_001];
-        let rows: [&[u32]; 4] = [&columns, &[], &[65_535], &[700_000]];
-        let mut chunk = Chunk::default();
-        let distances = Distances { openness: 1.0, nearest: 1.0 };
-        let weight = |j: u32| 1.0 / f64::from(j % 7 + 2);
-        for row in rows {
-            let row: Vec<_> = row.iter().map(|&j| (PatchId(j), weight(j))).collect();
-            chunk.push(&row, distances);
-        }
-        let light: Vec<[[f64; 1]; 1]> = (0..700_001).map(|j| [[f64::from(j)]]).collect();
-        for (i, row) in rows.into_iter().enumerate() {
-            let expected: Vec<_> = row.iter().map(|&j| (j, weight(j) as f32)).collect();
-            assert_eq!(chunk.entries(i).collect::<Vec<_>>(), expected);
-            let sum: f64 = expected.iter().map(|&(j, f)| f64::from(j) * f64::from(f)).sum();
-            assert!((chunk.sum(i, &light)[0][0] - sum).abs() <= 1e-9 * sum, "row {i}");
-        }
     }
 }

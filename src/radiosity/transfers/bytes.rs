@@ -1,6 +1,7 @@
 //! Transfers as plain bytes, to keep them from one run to the next.
 
-use super::{CHUNK, Chunk, Distances, Transfers};
+use super::rows::Chunk;
+use super::{CHUNK, Distances, Transfers};
 use byteorder::{ByteOrder, LittleEndian, ReadBytesExt, WriteBytesExt};
 use std::io;
 
@@ -16,8 +17,8 @@ impl Transfers {
                 chunk.distances.iter().flat_map(|d| [d.openness, d.nearest]).collect();
             put(&mut bytes, &distances, LittleEndian::write_f32_into);
             put(&mut bytes, &chunk.ends, LittleEndian::write_u32_into);
-            put(&mut bytes, &chunk.run_ends, LittleEndian::write_u32_into);
-            put(&mut bytes, chunk.runs.as_flattened(), LittleEndian::write_u16_into);
+            put(&mut bytes, &chunk.column_ends, LittleEndian::write_u32_into);
+            put(&mut bytes, &chunk.columns, LittleEndian::write_u16_into);
             put(&mut bytes, &chunk.weights, LittleEndian::write_f32_into);
         }
         bytes
@@ -37,14 +38,10 @@ impl Transfers {
                 let last = ends.last().copied().unwrap_or(0) as usize;
                 ends.len() == rows && ends.is_sorted() && last == count
             };
-            let are_columns = |(runs, weights): (&[[u16; 2]], &[f32])| {
-                let entries: u64 = runs.iter().map(|r| u64::from(r[1])).sum();
-                entries == weights.len() as u64 && last_column(runs) <= patches as u64
-            };
             rows <= CHUNK
                 && are_whole(&chunk.ends, chunk.weights.len())
-                && are_whole(&chunk.run_ends, chunk.runs.len())
-                && (0..rows).all(|i| are_columns(chunk.row(i)))
+                && are_whole(&chunk.column_ends, chunk.columns.len())
+                && (0..rows).all(|i| chunk.is_whole(i, patches))
                 && chunk.weights.iter().all(|w| w.is_finite())
         };
         let is_row = |&at: &u32| {
@@ -57,11 +54,6 @@ impl Transfers {
             && self.chunks.iter().all(rows_of)
             && self.row_of.iter().all(is_row)
     }
-}
-
-/// The column after the runs of a row.
-fn last_column(runs: &[[u16; 2]]) -> u64 {
-    runs.as_flattened().iter().map(|&n| u64::from(n)).sum()
 }
 
 fn put_length(bytes: &mut Vec<u8>, length: usize) {
@@ -89,8 +81,8 @@ fn read(bytes: &mut &[u8]) -> io::Result<Transfers> {
                 .map(|&[openness, nearest]| Distances { openness, nearest })
                 .collect(),
             ends: get(bytes, LittleEndian::read_u32_into)?,
-            run_ends: get(bytes, LittleEndian::read_u32_into)?,
-            runs: get(bytes, LittleEndian::read_u16_into)?.as_chunks::<2>().0.to_vec(),
+            column_ends: get(bytes, LittleEndian::read_u32_into)?,
+            columns: get(bytes, LittleEndian::read_u16_into)?,
             weights: get(bytes, LittleEndian::read_f32_into)?,
             overlay: Vec::new(),
         });

@@ -7,7 +7,7 @@ use crate::scene::Tracer;
 
 /// Rows drawn for an estimate.
 const ROWS: usize = 64;
-/// Bytes of a stored form factor and its share of a run, where runs are two long.
+/// The most bytes of a stored form factor and its column; rows of many patches beside each other take fewer.
 const ENTRY: f64 = 6.0;
 /// Bytes that a row takes besides.
 const ROW: f64 = 16.0;

@@ -1,6 +1,7 @@
 //! Light over rows of form factors: what patches receive of each other.
 
-use super::{CHUNK, Chunk, Transfers};
+use super::rows::{Chunk, Columns, pages};
+use super::{CHUNK, Transfers};
 use crate::scene::effects::COMPILED;
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
@@ -8,8 +9,8 @@ use rayon::prelude::*;
 /// Lists of light that one reading of the rows serves; more keep the processor's registers too busy.
 pub(in crate::radiosity) const AT_A_TIME: usize = 4;
 
-/// Mean length of runs that are worth being summed up each by itself.
-const LONG: usize = 8;
+/// Patches copied as one piece.
+const PIECE: usize = 4096;
 
 impl Transfers {
     /// Irradiance at each patch when patch j has exitance `exitance[j]`: E_i = sum_j F_ij M_j.
@@ -37,8 +38,8 @@ impl Transfers {
         lists: [&[[f64; C]]; S],
     ) -> Vec<Vec<[f64; C]>> {
         // Side by side in memory, as they are read.
-        let light: Vec<[[f64; C]; S]> =
-            (0..self.rows()).map(|j| lists.map(|list| list[j])).collect();
+        let side_by_side = (0..self.rows()).into_par_iter().with_min_len(PIECE);
+        let light: Vec<[[f64; C]; S]> = side_by_side.map(|j| lists.map(|list| list[j])).collect();
         let rows: Vec<Vec<[[f64; C]; S]>> = self
             .chunks
             .par_iter()
@@ -53,7 +54,8 @@ impl Transfers {
             })
             .collect();
         let row = |at: u32| &rows[at as usize / CHUNK][at as usize % CHUNK];
-        (0..S).map(|s| self.row_of.iter().map(|&at| row(at)[s]).collect()).collect()
+        let of_patches = || self.row_of.par_iter().with_min_len(PIECE);
+        (0..S).map(|s| of_patches().map(|&at| row(at)[s]).collect()).collect()
     }
 
     /// What an overlay adds to form factors, all of it.
@@ -69,40 +71,26 @@ impl Chunk {
         i: usize,
         light: &[[[f64; C]; S]],
     ) -> [[f64; C]; S] {
-        let (runs, mut weights) = self.row(i);
+        let (columns, mut weights) = self.row(i);
         // Several sums at a time: each addition would wait for the one before.
         let mut sums = [[[0.0; C]; S]; 4];
-        let mut column = 0;
-        if weights.len() < LONG * runs.len() {
-            // Short runs one by one would be guessed wrong by the processor time and again.
-            let columns = columns(runs, weights.len());
-            let (by_four, last) = columns.as_chunks::<4>();
-            let (own_by_four, own_last) = weights.as_chunks::<4>();
-            for (columns, weights) in by_four.iter().zip(own_by_four) {
-                for k in 0..4 {
-                    add_scaled(&mut sums[k], &light[columns[k] as usize], weights[k]);
+        match columns {
+            Columns::Runs(runs) => {
+                let mut column = 0;
+                for &[skip, length] in runs {
+                    let (first, length) = (column + usize::from(skip), usize::from(length));
+                    column = first + length;
+                    let (own, rest) = weights.split_at(length);
+                    weights = rest;
+                    add_products(&mut sums, own, &light[first..column], |light| light);
                 }
             }
-            for ((sum, &column), &weight) in sums.iter_mut().zip(last).zip(own_last) {
-                add_scaled(sum, &light[column as usize], weight);
-            }
-            weights = &[];
-        }
-        let runs = if weights.is_empty() { &[] } else { runs };
-        for &[skip, length] in runs {
-            let (first, length) = (column + usize::from(skip), usize::from(length));
-            column = first + length;
-            let (own, rest) = weights.split_at(length);
-            weights = rest;
-            let (by_four, last) = light[first..column].as_chunks::<4>();
-            let (own_by_four, own_last) = own.as_chunks::<4>();
-            for (light, weights) in by_four.iter().zip(own_by_four) {
-                for k in 0..4 {
-                    add_scaled(&mut sums[k], &light[k], weights[k]);
+            Columns::Pages { low, begins } => {
+                for (page, entries) in pages(low.len(), begins).enumerate() {
+                    let light = &light[page << 16..];
+                    let of = |low: &u16| &light[usize::from(*low)];
+                    add_products(&mut sums, &weights[entries.clone()], &low[entries], of);
                 }
-            }
-            for ((sum, light), &weight) in sums.iter_mut().zip(last).zip(own_last) {
-                add_scaled(sum, light, weight);
             }
         }
         let [mut a, b, mut c, d] = sums;
@@ -113,24 +101,24 @@ impl Chunk {
     }
 }
 
-/// The columns of `count` entries in runs.
-fn columns(runs: &[[u16; 2]], count: usize) -> Vec<u32> {
-    let mut columns = vec![0; count + 4];
-    let (mut at, mut next) = (0, 0);
-    for &[skip, length] in runs {
-        let first = next + u32::from(skip);
-        next = first + u32::from(length);
-        // What is too much is written over.
-        for (column, k) in columns[at..at + 4].iter_mut().zip(first..) {
-            *column = k;
+/// Adds weights times the light of as many columns to four sums in turn.
+#[inline]
+fn add_products<'a, T, const C: usize, const S: usize>(
+    sums: &mut [[[f64; C]; S]; 4],
+    weights: &[f32],
+    columns: &'a [T],
+    light: impl Fn(&'a T) -> &'a [[f64; C]; S],
+) {
+    let (by_four, last) = columns.as_chunks::<4>();
+    let (own_by_four, own_last) = weights.as_chunks::<4>();
+    for (columns, weights) in by_four.iter().zip(own_by_four) {
+        for k in 0..4 {
+            add_scaled(&mut sums[k], light(&columns[k]), weights[k]);
         }
-        for (column, k) in columns[at..at + usize::from(length)].iter_mut().zip(first..).skip(4) {
-            *column = k;
-        }
-        at += usize::from(length);
     }
-    columns.truncate(count);
-    columns
+    for ((sum, column), &weight) in sums.iter_mut().zip(last).zip(own_last) {
+        add_scaled(sum, light(column), weight);
+    }
 }
 
 /// Sum over what an overlay adds to a row.
