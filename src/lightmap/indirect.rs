@@ -271,22 +271,16 @@ impl<'a> Drawn<'a> {
     /// What arrives at `view` in each style: of far patches their mean light, of near ones that of each
     /// luxel interval.
     pub fn arriving(&self, gatherer: &mut Gatherer<'_>, view: &View) -> Vec<DVec3> {
-        let Sources { patches, light, .. } = self.sources;
+        let light = self.sources.light;
         let mut sums = vec![DVec3::ZERO; light.len()];
         // Cells beyond this depth are too wide to tell intervals apart.
         let reach = 0.5 * self.size.width() as f32 * LUXEL;
-        let mut face = (u32::MAX, 0);
         gatherer.visit(view, reach, |patch, interval, f| {
-            let interval = interval.map(|i| {
-                if face.0 != i.first {
-                    face = (i.first, patches.intervals.place(i.first).0);
-                }
-                (face.1, i.number as usize)
-            });
             for (sum, style) in sums.iter_mut().zip(light) {
                 let mut exitance = style.exitance[patch.0 as usize].0;
-                if let Some((surface, k)) = interval
-                    && let Some(more) = style.detail.get(surface).and_then(|d| d.get(k))
+                if let Some(i) = interval
+                    && let Some(surface) = style.detail.get(i.surface as usize)
+                    && let Some(more) = surface.get(i.number as usize)
                 {
                     exitance += *more;
                 }
