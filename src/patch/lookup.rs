@@ -97,8 +97,10 @@ impl PatchGrid {
     /// Completes the grid of a surface once its blocks are known.
     pub(super) fn complete(&mut self, surface: u32) {
         self.surface = surface;
+        // Without blocks there is nothing to look up.
         let count = self.block_column.len() * self.block_row.len();
-        self.intervals = (0..count).map(|k| self.blocks[self.cell(k)]).collect();
+        let block = |k| self.blocks.get(self.cell(k)).copied();
+        self.intervals = (0..count).filter_map(block).collect();
     }
 
     /// The luxel interval at luxel coordinates.
