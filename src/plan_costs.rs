@@ -56,7 +56,7 @@ pub fn explained(
             seconds: whole * share,
             ..Cost::default()
         };
-        let cells = (of_luxels * cells) as u64;
+        let cells = (of_luxels * settings.gathering().hemicube.cells() as f64) as u64;
         [bounces, Cost { cells, seconds: whole * (1.0 - share), ..Cost::default() }]
     });
     for entry in plan.entries.iter_mut().filter(|e| e.on) {
@@ -82,7 +82,7 @@ pub fn measured(
             rays: 0,
         },
         Cost {
-            cells: counts.hemicubes[1] * cells,
+            cells: counts.hemicubes[1] * settings.gathering().hemicube.cells() as u64,
             seconds: seconds(&["gather", "refine"]),
             ..Cost::default()
         },

@@ -85,9 +85,11 @@ pub fn indirect(
     if settings.gather == Gather::Interpolate {
         let mut known = known_patches(sources, settings.error);
         interpolate(sources, &known, &mut faces);
-        // Every other luxel of those left, and then the rest between them.
-        hemicubes += drawn.fill(&mut faces, every_other, Some(&mut known));
-        interpolate(sources, &known, &mut faces);
+        // Some of the luxels left, and then the rest between them.
+        for turn in TURNS {
+            hemicubes += drawn.fill(&mut faces, |s| of_parity(s, turn), Some(&mut known));
+            interpolate(sources, &known, &mut faces);
+        }
     }
     hemicubes += drawn.fill(&mut faces, |_| true, None);
     add_passing(sources, &mut faces);
@@ -304,10 +306,14 @@ pub(super) fn seed(position: Vec3) -> u64 {
     })
 }
 
-/// Whether a luxel is one of those in even columns and rows of a grid of luxels in the world: the same
-/// for two faces that have a luxel in one place.
-fn every_other(sample: &Sample) -> bool {
+/// Which luxels get hemicubes in turn: those in even columns and rows, then those in odd ones, so that
+/// every row has some.
+const TURNS: [i32; 2] = [0, 1];
+
+/// Whether a luxel is in columns and rows of this parity of a grid of luxels in the world: the same for
+/// two faces that have a luxel in one place.
+fn of_parity(sample: &Sample, parity: i32) -> bool {
     let steep = sample.normal.abs().max_position();
-    let even = |k: usize| (sample.position[k] / LUXEL).round() as i32 % 2 == 0;
-    (0..3).filter(|&k| k != steep).all(even)
+    let same = |k: usize| ((sample.position[k] / LUXEL).round() as i32).rem_euclid(2) == parity;
+    (0..3).filter(|&k| k != steep).all(same)
 }
