@@ -47,13 +47,15 @@ fn prepared(name: &str) -> Prepared {
 
 mod transfers {
     use super::*;
-    use qrad::radiosity::transfers::Transfers;
+    use qrad::radiosity::transfers::{Sharing, Transfers};
 
     #[divan::bench(args = maps(), sample_count = FEW)]
     fn shared(bencher: Bencher<'_, '_>, name: &str) {
         let map = prepared(name);
-        let (set, leaders) = (&map.patches.set, map.patches.leaders());
-        let sharing = (leaders.as_slice(), map.settings.share);
+        let set = &map.patches.set;
+        let (leaders, small) = (map.patches.leaders(), map.patches.small());
+        let share = map.settings.share;
+        let sharing = Sharing { leaders: &leaders, share, small: &small };
         let (tracer, size) = (map.scene.bounce_tracer(), map.settings.hemicube);
         bencher.bench_local(|| Transfers::shared(tracer, set, sharing, size, |_| {}).len());
     }

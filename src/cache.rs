@@ -6,7 +6,7 @@
 use crate::output;
 use crate::patch::PatchSet;
 use crate::radiosity::hemicube::HemicubeSize;
-use crate::radiosity::transfers::Transfers;
+use crate::radiosity::transfers::{Sharing, Transfers};
 use crate::scene::Tracer;
 use crate::{Error, Result};
 use std::path::PathBuf;
@@ -107,7 +107,7 @@ impl Key {
     pub fn new(
         tracer: &Tracer,
         patches: &PatchSet,
-        (leaders, share): (&[u32], f32),
+        Sharing { leaders, share, small }: Sharing<'_>,
         size: HemicubeSize,
     ) -> Self {
         let mut digest = Digest::default();
@@ -124,6 +124,7 @@ impl Key {
             points.iter().for_each(|v| digest.words(v.to_array().map(f32::to_bits)));
         }
         leaders.iter().for_each(|&leader| digest.word(leader));
+        small.iter().for_each(|&small| digest.word(small.into()));
         patches.lookup.words(&mut |word| digest.word(word));
         Self(digest.finish())
     }

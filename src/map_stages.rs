@@ -5,7 +5,7 @@ use crate::aim;
 use crate::bsp::{Bsp, MipTex};
 use crate::check::{Energy, Findings};
 use crate::light::DirectLight;
-use crate::lightmap::{self, FinishedFace, Sources};
+use crate::lightmap::{self, FinishedFace, GatherSettings, Sources};
 use crate::outputs::Scope;
 use crate::patch::MapPatches;
 use crate::progress::{Deadline, Progress};
@@ -120,7 +120,7 @@ impl DirectLit {
         let _stage = progress.stage("refine", 1);
         let BouncedLight { patches, transfers, bounced, gathered, counts, .. } = light;
         let sources = Sources { scene: &self.scene, patches, transfers, light: &bounced.styles };
-        let how = settings.gathering();
+        let how = GatherSettings { hemicube: settings.hemicube, ..settings.gathering() };
         let done = lightmap::refine(sources, &self.points.luxels, &mut gathered.maps, how, end);
         counts.hemicubes[1] += done;
         counts.overlay = transfers.overlay_costs();

@@ -64,7 +64,7 @@ pub fn explained(
             seconds: whole * share,
             ..Cost::default()
         };
-        let cells = (of_luxels * cells) as u64;
+        let cells = (of_luxels * settings.gathering().hemicube.cells() as f64) as u64;
         let near = Cost { cells, seconds: whole * (1.0 - share), ..Cost::default() };
         costs.bounced = Some([bounces, near]);
         if THROUGH.iter().any(|&effect| plan.is_on(effect)) {
@@ -98,7 +98,7 @@ pub fn measured(
             rays: 0,
         },
         Cost {
-            cells: counts.hemicubes[1] * cells,
+            cells: counts.hemicubes[1] * settings.gathering().hemicube.cells() as u64,
             seconds: seconds(&["gather", "refine"]),
             ..Cost::default()
         },

@@ -107,7 +107,8 @@ pub struct Settings {
     /// Error that interpolation may make, above 0: see [`GatherSettings::error`].
     pub gather_error: f64,
     /// A patch shares the hemicube of one beside it that is nearer than this share of the harmonic mean
-    /// distance of what that one sees; 0 for none.
+    /// distance of what that one sees; 0 for none. Above 0, hemicubes of patches that are cut off, and of
+    /// single luxels, have half as many cells along an edge.
     pub share: f32,
     /// Factor on the reflectance of textures, 0 and up.
     pub reflectance_scale: f32,
@@ -275,8 +276,15 @@ impl Settings {
     }
 
     /// How indirect light gets to luxels.
-    pub(crate) fn gathering(&self) -> GatherSettings {
-        GatherSettings { gather: self.gather, error: self.gather_error, hemicube: self.hemicube }
+    pub fn gathering(&self) -> GatherSettings {
+        let coarse = self.coarse_where_small() && self.gather == Gather::Interpolate;
+        let hemicube = if coarse { self.hemicube.halved() } else { self.hemicube };
+        GatherSettings { gather: self.gather, error: self.gather_error, hemicube }
+    }
+
+    /// Whether coarser hemicubes do for what is small. Lamps that shine as areas must not be missed.
+    pub(crate) fn coarse_where_small(&self) -> bool {
+        self.share > 0.0 && self.surface_lights == SurfaceLights::Points
     }
 
     /// The part that concerns the scene. `textures` are those that the map may lack.

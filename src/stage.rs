@@ -9,7 +9,7 @@ use crate::patch::{Emission, MapPatches};
 use crate::progress::{Deadline, Progress};
 use crate::radiosity::bounce::{self, Bounced};
 use crate::radiosity::solve::Limits;
-use crate::radiosity::transfers::Transfers;
+use crate::radiosity::transfers::{Sharing, Transfers};
 use crate::scene::{Sample, Scene, Surface, luxels};
 use crate::settings::Settings;
 use crate::{Error, Result};
@@ -126,7 +126,8 @@ pub(crate) fn patches(
     let mut size = settings.patch_size;
     loop {
         let patches = MapPatches::new(scene, samples, size);
-        let sharing = (&patches.leaders()[..], settings.share);
+        let (leaders, small) = economies(&patches, settings);
+        let sharing = Sharing { leaders: &leaders, share: settings.share, small: &small };
         let (tracer, cells) = (scene.bounce_tracer(), settings.hemicube);
         let expected = Transfers::expected_bytes(tracer, &patches.set, sharing, cells);
         let left = settings.memory.left();
@@ -145,6 +146,16 @@ pub(crate) fn patches(
     }
 }
 
+/// Which patch leads each one, and which are small enough for coarse hemicubes.
+fn economies(patches: &MapPatches, settings: &Settings) -> (Vec<u32>, Vec<bool>) {
+    let small = if settings.coarse_where_small() {
+        patches.small()
+    } else {
+        vec![false; patches.set.patches.len()]
+    };
+    (patches.leaders(), small)
+}
+
 /// Form factors between the patches, drawn or as they were kept; `None` if they are not there by `end`.
 pub(crate) fn transfers(
     scene: &Scene,
@@ -155,9 +166,9 @@ pub(crate) fn transfers(
 ) -> Option<Transfers> {
     let count = patches.set.patches.len();
     let stage = progress.stage("form factors", count);
-    let (tracer, leaders) = (scene.bounce_tracer(), patches.leaders());
-    let sharing = (leaders.as_slice(), settings.share);
-    let size = settings.hemicube;
+    let (leaders, small) = economies(patches, settings);
+    let sharing = Sharing { leaders: &leaders, share: settings.share, small: &small };
+    let (tracer, size) = (scene.bounce_tracer(), settings.hemicube);
     // Files have no room for what an overlay adds.
     let cache = settings.cache.as_ref().filter(|_| count > 0 && patches.set.overlay.is_none());
     let kept = cache.map(|cache| (cache, Key::new(tracer, &patches.set, sharing, size)));

@@ -18,6 +18,8 @@ const SAMPLED: usize = 96;
 const INTERPOLATED: f64 = 0.06;
 /// A luxel's hemicube takes this times that of a patch, as it keeps no row.
 const OF_LUXEL: f64 = 0.95;
+/// The same where it has half as many cells along an edge.
+const OF_LUXEL_HALVED: f64 = 0.55;
 /// Share of the patches that draw their own hemicube where sharing is allowed.
 const OWN: f64 = 0.72;
 /// Seconds of a pass of bounces for each form factor, on one thread.
@@ -145,11 +147,13 @@ impl Costs {
         let [_, hemicubes, factors] = self.counts(rung);
         let hemicube = self.of(rung.cells).0;
         let bounces = factors * PASSES * PASS / rayon::current_num_threads() as f64;
+        let halved = rung.share > 0.0 && rung.gather_error > 0.0;
+        let of_luxel = if halved { OF_LUXEL_HALVED } else { OF_LUXEL };
         let interpolated =
             if rung.gather_error == 0.0 { 0.0 } else { INTERPOLATED * self.of(16).0 };
         hemicubes * hemicube
             + bounces
-            + self.luxels * (rung.luxels * hemicube * OF_LUXEL + interpolated)
+            + self.luxels * (rung.luxels * hemicube * of_luxel + interpolated)
     }
 
     /// All of bounced light.

@@ -49,20 +49,16 @@ impl MapLuxels<'_> {
 
     /// Irradiance at a point that a fresh hemicube finds in the solution.
     fn gather(&self, gatherer: &mut Gatherer<'_>, (at, normal): (Vec3, Vec3), seed: u64) -> Vec3 {
-        let Sources { patches, light, .. } = self.run.sources;
+        let light = self.run.sources.light;
         // Cells beyond this depth are too wide to tell intervals apart.
         let reach = 0.5 * self.size.width() as f32 * LUXEL;
-        let mut face = (u32::MAX, 0);
         let mut sum = Vec3::ZERO;
         gatherer.visit(&View::turned(at, normal, seed), reach, |patch, interval, f| {
             sum += self.exitance[patch.0 as usize] * f;
             let Some(interval) = interval else { return };
-            if face.0 != interval.first {
-                face = (interval.first, patches.intervals.place(interval.first).0);
-            }
             for style in light {
-                let number = interval.number as usize;
-                if let Some(more) = style.detail.get(face.1).and_then(|d| d.get(number)) {
+                let surface = style.detail.get(interval.surface as usize);
+                if let Some(more) = surface.and_then(|d| d.get(interval.number as usize)) {
                     sum += *more * f;
                 }
             }

@@ -97,10 +97,13 @@ pub(crate) fn indirect_while(
     if settings.gather == Gather::Interpolate {
         let mut known = known_patches(sources, settings.error);
         interpolate(sources, &known, &mut faces);
-        // Every other luxel of those left, and then the rest between them.
-        hemicubes += drawn.fill(&mut faces, (every_other, &time), Some(&mut known));
-        if time() {
-            interpolate(sources, &known, &mut faces);
+        // Some of the luxels left, and then the rest between them.
+        for turn in TURNS {
+            let of_turn = |s: &Sample| of_parity(s, turn);
+            hemicubes += drawn.fill(&mut faces, (of_turn, &time), Some(&mut known));
+            if time() {
+                interpolate(sources, &known, &mut faces);
+            }
         }
     }
     hemicubes += drawn.fill(&mut faces, (|_: &Sample| true, &time), None);
@@ -302,22 +305,16 @@ impl<'a> Drawn<'a> {
     /// What arrives at `view` in each style: of far patches their mean light, of near ones that of each
     /// luxel interval.
     pub fn arriving(&self, gatherer: &mut Gatherer<'_>, view: &View) -> Vec<DVec3> {
-        let Sources { patches, light, .. } = self.sources;
+        let light = self.sources.light;
         let mut sums = vec![DVec3::ZERO; light.len()];
         // Cells beyond this depth are too wide to tell intervals apart.
         let reach = 0.5 * self.size.width() as f32 * LUXEL;
-        let mut face = (u32::MAX, 0);
         gatherer.visit(view, reach, |patch, interval, f| {
-            let interval = interval.map(|i| {
-                if face.0 != i.first {
-                    face = (i.first, patches.intervals.place(i.first).0);
-                }
-                (face.1, i.number as usize)
-            });
             for (sum, style) in sums.iter_mut().zip(light) {
                 let mut exitance = style.exitance[patch.0 as usize].0;
-                if let Some((surface, k)) = interval
-                    && let Some(more) = style.detail.get(surface).and_then(|d| d.get(k))
+                if let Some(i) = interval
+                    && let Some(surface) = style.detail.get(i.surface as usize)
+                    && let Some(more) = surface.get(i.number as usize)
                 {
                     exitance += *more;
                 }
@@ -341,10 +338,14 @@ pub(super) fn seed(position: Vec3) -> u64 {
     })
 }
 
-/// Whether a luxel is one of those in even columns and rows of a grid of luxels in the world: the same
-/// for two faces that have a luxel in one place.
-fn every_other(sample: &Sample) -> bool {
+/// Which luxels get hemicubes in turn: those in even columns and rows, then those in odd ones, so that
+/// every row has some.
+const TURNS: [i32; 2] = [0, 1];
+
+/// Whether a luxel is in columns and rows of this parity of a grid of luxels in the world: the same for
+/// two faces that have a luxel in one place.
+fn of_parity(sample: &Sample, parity: i32) -> bool {
     let steep = sample.normal.abs().max_position();
-    let even = |k: usize| (sample.position[k] / LUXEL).round() as i32 % 2 == 0;
-    (0..3).filter(|&k| k != steep).all(even)
+    let same = |k: usize| ((sample.position[k] / LUXEL).round() as i32).rem_euclid(2) == parity;
+    (0..3).filter(|&k| k != steep).all(same)
 }

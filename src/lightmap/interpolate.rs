@@ -201,7 +201,7 @@ impl Interpolator {
         let (centre, openness) = ((centre / total).as_vec3(), (total / nearness) as f32);
         if self.error.is_finite()
             && fit.x.abs() > DIM * mean.abs()
-            && overlooked(barriers, sample, centre, openness)
+            && overlooked(barriers, sample, (centre, around), openness)
         {
             return None;
         }
@@ -223,10 +223,12 @@ impl Interpolator {
 
 /// A point that counts at a sample.
 #[derive(Clone, Copy)]
-struct Neighbour {
+pub(super) struct Neighbour {
     point: u32,
-    offset: Vec3,
-    weight: f64,
+    /// Where it is, from the sample.
+    pub offset: Vec3,
+    /// How much it counts.
+    pub weight: f64,
 }
 
 /// How much the difference of the normals adds to the distance from a point, relative to its reach.

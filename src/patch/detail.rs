@@ -33,12 +33,10 @@ impl Intervals {
     }
 
     /// Adds all intervals of the surface begun last, whose rows are `width` luxels long, by the weights
-    /// of their corners. Returns the number of the first.
-    pub(super) fn add(&mut self, width: u32, weights: impl Iterator<Item = [f32; 4]>) -> u32 {
+    /// of their corners.
+    pub(super) fn add(&mut self, width: u32, weights: impl Iterator<Item = [f32; 4]>) {
         *self.widths.last_mut().expect("a surface has begun") = width;
-        let first = self.weights.len() as u32;
         self.weights.extend(weights.map(|w| w.map(|w| (w * 255.0).round() as u8)));
-        first
     }
 
     /// Number of intervals.
@@ -49,12 +47,6 @@ impl Intervals {
     /// Whether there are none.
     pub fn is_empty(&self) -> bool {
         self.weights.is_empty()
-    }
-
-    /// Surface of an interval, and the interval's number there.
-    pub fn place(&self, interval: u32) -> (usize, usize) {
-        let surface = self.first.partition_point(|&f| f <= interval) - 1;
-        (surface, (interval - self.first[surface]) as usize)
     }
 
     /// Mean of `luxels`, one a luxel of a surface, over its interval number `k`; `None` where all

@@ -1,8 +1,20 @@
-//! Groups of neighbouring patches of a face, one of which may see for all.
+//! Patches for which less than a fine hemicube of their own does: groups of neighbours on a face, one of
+//! which may see for all, and small ones.
 
 use super::{MapPatches, PatchGrid, PolygonPatches};
 
+/// Patches of less than this share of a whole one's area are small.
+const SMALL: f32 = 0.5;
+
 impl MapPatches {
+    /// For each patch whether it is small: the edge of its face or an obstacle cuts off most of it, so
+    /// that it receives and sends little.
+    pub fn small(&self) -> Vec<bool> {
+        let whole = |surface: u32| self.spacing[surface as usize].powi(2);
+        let patches = self.set.patches.iter().zip(&self.surface);
+        patches.map(|(patch, &surface)| patch.area < SMALL * whole(surface)).collect()
+    }
+
     /// For each patch the one that leads its group, two by two blocks of its face: the largest of them,
     /// the first of equal ones. It leads itself, and so does each patch of a block that is divided.
     pub fn leaders(&self) -> Vec<u32> {

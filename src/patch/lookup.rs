@@ -38,9 +38,10 @@ pub struct PatchGrid {
     pub columns: usize,
     /// The intervals of divided blocks, ascending.
     pub(super) pieces: Vec<Piece>,
-    /// Number of the first luxel interval of the face among those of the map: see
-    /// [`Detail`](super::Detail).
-    pub first_interval: u32,
+    /// Patch of each luxel interval, row by row, or [`DIVIDED`](Self::DIVIDED).
+    pub(super) intervals: Vec<PatchId>,
+    /// The surface of the scene: see [`Detail`](super::Detail).
+    pub surface: u32,
 }
 
 /// A luxel interval of a block that has several patches.
@@ -62,7 +63,7 @@ impl PatchGrid {
     fn words(&self, word: &mut impl FnMut(u32)) {
         let sizes = [self.block_column.len(), self.block_row.len(), self.blocks.len()];
         let sizes = sizes.into_iter().chain([self.columns, self.pieces.len()]);
-        [2, self.first_interval].into_iter().for_each(&mut *word);
+        [2, self.surface].into_iter().for_each(&mut *word);
         sizes.for_each(|size| word(size as u32));
         let rows = [self.s_row, self.t_row];
         rows.iter().flat_map(Vec4::to_array).for_each(|v| word(v.to_bits()));
@@ -77,19 +78,29 @@ impl PatchGrid {
 
     /// The patch at luxel coordinates; points outside (by rounding) belong to the nearest block.
     pub fn at(&self, s: f32, t: f32) -> PatchId {
-        self.of_interval(self.column_and_row(s, t), [s, t])
+        let [column, row] = self.column_and_row(s, t);
+        self.in_interval(row * self.block_column.len() + column, || [s, t])
     }
 
-    /// The patch at luxel coordinates, which are in the luxel interval in this column and row.
-    pub fn of_interval(&self, [column, row]: [usize; 2], [s, t]: [f32; 2]) -> PatchId {
-        let cell = usize::from(self.block_row[row]) * self.columns;
-        let patch = self.blocks[cell + usize::from(self.block_column[column])];
+    /// The patch at luxel coordinates, which are in interval number `k`; they are not always asked for.
+    #[inline]
+    pub fn in_interval(&self, k: usize, coordinates: impl Fn() -> [f32; 2]) -> PatchId {
+        let patch = self.intervals[k];
         if patch != Self::DIVIDED {
             return patch;
         }
-        let piece = self.piece(row * self.block_column.len() + column);
-        let piece = piece.expect("divided blocks list their intervals");
+        let [s, t] = coordinates();
+        let piece = self.piece(k).expect("divided blocks list their intervals");
         piece.patches[usize::from(piece.line.dot(Vec3::new(s, t, 1.0)) > 0.0)]
+    }
+
+    /// Completes the grid of a surface once its blocks are known.
+    pub(super) fn complete(&mut self, surface: u32) {
+        self.surface = surface;
+        // Without blocks there is nothing to look up.
+        let count = self.block_column.len() * self.block_row.len();
+        let block = |k| self.blocks.get(self.cell(k)).copied();
+        self.intervals = (0..count).filter_map(block).collect();
     }
 
     /// The luxel interval at luxel coordinates.

@@ -126,9 +126,8 @@ impl MapPatches {
         let luxels = surface.luxels.as_ref().expect("only faces with luxels are cut");
         let unit = f64::from(luxels.s_step.cross(luxels.t_step).length());
         self.spacing[index] = face.size() as f32 * unit.sqrt() as f32;
-        let first_interval = self.intervals.add(luxels.width, face.intervals().iter().copied());
+        self.intervals.add(luxels.width, face.intervals().iter().copied());
         let (mut grid, blocks) = face.into_patches(self.surface.len() as u32);
-        grid.first_interval = first_interval;
         let spots = scene.varies(index).then(|| Spots::of(surface, luxels));
         let mut of_patches = BTreeMap::new();
         if let Some(spots) = &spots {
@@ -137,6 +136,7 @@ impl MapPatches {
             let varied: Option<Vec<Vec3>> = spots.of_intervals(luxels).map(of).collect();
             self.varied.extend(varied.map(|varied| (index, varied)));
         }
+        grid.complete(index as u32);
         for block in blocks {
             let centroid = (block.moment / block.area).as_vec2();
             let eye = luxels.world_of(centroid) + surface.normal * LIFT;

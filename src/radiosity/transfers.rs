@@ -41,6 +41,18 @@ pub struct Transfers {
     overlay: Option<Arc<Overlay>>,
 }
 
+/// Which patches of a map do without a fine hemicube of their own.
+#[derive(Clone, Copy, Debug)]
+pub struct Sharing<'a> {
+    /// The patch, on the same face, whose row each patch may take. A leader leads itself.
+    pub leaders: &'a [u32],
+    /// It does where they see each other and the distance between them is less than this share of the
+    /// harmonic mean distance of what the leader sees. With 0 all rows are drawn.
+    pub share: f32,
+    /// Whether half as many cells along an edge do for a patch.
+    pub small: &'a [bool],
+}
+
 impl Transfers {
     /// Draws a hemicube at every patch. `advance(n)` is told of every n patches done.
     pub fn compute(
@@ -59,14 +71,11 @@ impl Transfers {
         transfers
     }
 
-    /// The same, but patch i does without a hemicube of its own where the row of patch `leaders[i]`, on
-    /// the same face, does as well: where they see each other and the distance between them is less
-    /// than `share` of the harmonic mean distance of what the leader sees. A leader leads itself; with
-    /// a `share` of 0 all rows are drawn.
+    /// The same, but some patches share their rows, and for some a coarser hemicube does.
     pub fn shared(
         tracer: &Tracer,
         patches: &PatchSet,
-        (leaders, share): (&[u32], f32),
+        sharing: Sharing<'_>,
         size: HemicubeSize,
         advance: impl Fn(u64) + Sync,
     ) -> Self {
@@ -74,7 +83,7 @@ impl Transfers {
             advance(n);
             true
         };
-        Self::shared_while(tracer, patches, (leaders, share), size, goes_on).expect("not stopped")
+        Self::shared_while(tracer, patches, sharing, size, goes_on).expect("not stopped")
     }
 
     /// The same for as long as `goes_on(n)`, which is told of every n rows done, is true; `None` if it
@@ -82,14 +91,20 @@ impl Transfers {
     pub fn shared_while(
         tracer: &Tracer,
         patches: &PatchSet,
-        (leaders, share): (&[u32], f32),
+        Sharing { leaders, share, small }: Sharing<'_>,
         size: HemicubeSize,
         goes_on: impl Fn(u64) -> bool + Sync,
     ) -> Option<Self> {
+        let draw = |transfers: &mut Self, members: &[u32]| {
+            let (coarse, fine): (Vec<u32>, Vec<u32>) =
+                members.iter().partition(|&&i| small[i as usize]);
+            transfers.draw(tracer, patches, size, &fine, &goes_on)?;
+            transfers.draw(tracer, patches, size.halved(), &coarse, &goes_on)
+        };
         let all = 0..leaders.len() as u32;
         let (first, rest): (Vec<u32>, Vec<u32>) = all.partition(|&i| leaders[i as usize] == i);
         let mut transfers = Self::undrawn(leaders.len());
-        transfers.draw(tracer, patches, size, &first, &goes_on)?;
+        draw(&mut transfers, &first)?;
         let alone: Vec<u32> = rest
             .par_iter()
             .copied()
@@ -110,7 +125,7 @@ impl Transfers {
             transfers.drawn_at[i as usize] = leader;
         }
         goes_on((rest.len() - alone.len()) as u64);
-        transfers.draw(tracer, patches, size, &alone, &goes_on)?;
+        draw(&mut transfers, &alone)?;
         Some(transfers)
     }
 

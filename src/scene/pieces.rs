@@ -2,46 +2,58 @@
 
 use super::tracer::{Node, Tracer};
 use glam::Vec3;
-use wide::f32x8;
+use std::ops::Range;
+use wide::{f32x4, f32x8};
 
 /// The most corners of a piece.
 const LANES: usize = 8;
+/// The most corners of a small one.
+const FEW: u32 = 4;
 
 /// A convex part of a polygon.
 #[derive(Clone, Debug)]
-pub struct Piece {
+pub struct Piece<V> {
     /// Coordinates of the corners, in order; the last corner is repeated.
-    pub corners: [f32x8; 3],
+    pub corners: [V; 3],
     /// A point of the polygon's plane.
     pub on: Vec3,
     /// Unit normal of its front.
     pub normal: Vec3,
     /// Index of the polygon, as given to [`Tracer::new`].
     pub polygon: u32,
-    /// Number of corners, 3 to 8.
+    /// Number of corners, at least 3.
     pub count: u32,
 }
 
 /// The hierarchy of a [`Tracer`] with pieces in its leafs.
+#[derive(Default)]
 pub struct Pieces {
     nodes: Vec<Node>,
-    pieces: Vec<Piece>,
+    /// Where the small and the large pieces of each leaf are.
+    leafs: Vec<[Range<usize>; 2]>,
+    small: Vec<Piece<f32x4>>,
+    large: Vec<Piece<f32x8>>,
 }
 
 impl Pieces {
     /// The pieces of all polygons of `tracer`.
     pub(super) fn new(tracer: &Tracer) -> Self {
-        let mut pieces = Vec::with_capacity(tracer.polygons().len());
-        let mut nodes = tracer.nodes().to_vec();
-        for node in nodes.iter_mut().filter(|node| node.count > 0) {
-            let first = pieces.len() as u32;
-            for slot in node.first..node.first + node.count {
-                let (corners, normal, polygon) = tracer.polygon(slot);
-                cut(corners, normal, polygon, &mut pieces);
+        let mut pieces = Self { nodes: tracer.nodes().to_vec(), ..Self::default() };
+        for k in 0..pieces.nodes.len() {
+            let Node { first, count, .. } = pieces.nodes[k];
+            if count == 0 {
+                continue;
             }
-            (node.first, node.count) = (first, pieces.len() as u32 - first);
+            let from = [pieces.small.len(), pieces.large.len()];
+            for slot in first..first + count {
+                let (corners, normal, polygon) = tracer.polygon(slot);
+                pieces.cut(corners, normal, polygon);
+            }
+            pieces.nodes[k].first = pieces.leafs.len() as u32;
+            let end = [pieces.small.len(), pieces.large.len()];
+            pieces.leafs.push([from[0]..end[0], from[1]..end[1]]);
         }
-        Self { nodes, pieces }
+        pieces
     }
 
     /// The nodes; the root is node 0. Empty for an empty scene.
@@ -49,30 +61,34 @@ impl Pieces {
         &self.nodes
     }
 
-    /// The pieces in a leaf.
-    pub fn of(&self, leaf: &Node) -> &[Piece] {
-        &self.pieces[leaf.first as usize..(leaf.first + leaf.count) as usize]
+    /// The pieces in a leaf: those of up to four corners, and those of more.
+    pub fn of(&self, leaf: &Node) -> (&[Piece<f32x4>], &[Piece<f32x8>]) {
+        let [small, large] = &self.leafs[leaf.first as usize];
+        (&self.small[small.clone()], &self.large[large.clone()])
     }
-}
 
-/// Appends the pieces of a polygon, a fan around its first corner.
-fn cut(corners: &[Vec3], normal: Vec3, polygon: u32, pieces: &mut Vec<Piece>) {
-    let mut from = 1;
-    while from + 1 < corners.len() {
-        let rim = &corners[from..(from + LANES - 1).min(corners.len())];
-        let corner = |lane: usize| match lane {
-            0 => corners[0],
-            _ => rim[(lane - 1).min(rim.len() - 1)],
-        };
-        let along = |k: usize| f32x8::new(std::array::from_fn(|lane| corner(lane)[k]));
-        pieces.push(Piece {
-            corners: [along(0), along(1), along(2)],
-            on: corners[0],
-            normal,
-            polygon,
-            count: rim.len() as u32 + 1,
-        });
-        from += rim.len() - 1;
+    /// Appends the pieces of a polygon, a fan around its first corner.
+    fn cut(&mut self, corners: &[Vec3], normal: Vec3, polygon: u32) {
+        let on = corners[0];
+        let mut from = 1;
+        while from + 1 < corners.len() {
+            let rim = &corners[from..(from + LANES - 1).min(corners.len())];
+            let corner = |lane: usize| match lane {
+                0 => on,
+                _ => rim[(lane - 1).min(rim.len() - 1)],
+            };
+            let count = rim.len() as u32 + 1;
+            if count <= FEW {
+                let along = |k: usize| f32x4::new(std::array::from_fn(|lane| corner(lane)[k]));
+                let corners = [along(0), along(1), along(2)];
+                self.small.push(Piece { corners, on, normal, polygon, count });
+            } else {
+                let along = |k: usize| f32x8::new(std::array::from_fn(|lane| corner(lane)[k]));
+                let corners = [along(0), along(1), along(2)];
+                self.large.push(Piece { corners, on, normal, polygon, count });
+            }
+            from += rim.len() - 1;
+        }
     }
 }
 
@@ -98,14 +114,22 @@ mod tests {
             let pieces = tracer.pieces();
             assert_eq!(pieces.nodes().len(), 1);
             let mut sum = 0.0;
-            for piece in pieces.of(&pieces.nodes()[0]) {
-                let [x, y, z] = piece.corners.map(f32x8::to_array);
-                assert!((3..=8).contains(&piece.count) && piece.polygon == 0);
-                let corners: Vec<Vec3> = (0..8).map(|k| Vec3::new(x[k], y[k], z[k])).collect();
-                let (real, padding) = corners.split_at(piece.count as usize);
-                assert!(padding.iter().all(|p| p == &real[real.len() - 1]));
+            let mut add = |piece: [&[f32]; 3], real: u32| {
+                let [x, y, z] = piece;
+                let corners: Vec<Vec3> =
+                    (0..x.len()).map(|k| Vec3::new(x[k], y[k], z[k])).collect();
+                let (real, padding) = corners.split_at(real as usize);
+                assert!(real.len() >= 3 && padding.iter().all(|p| p == &real[real.len() - 1]));
                 assert!(area(real) > 0.0);
                 sum += area(real);
+            };
+            let (small, large) = pieces.of(&pieces.nodes()[0]);
+            for piece in small {
+                add([0, 1, 2].map(|k| &piece.corners[k].as_array_ref()[..]), piece.count);
+            }
+            for piece in large {
+                assert!(piece.count > FEW);
+                add([0, 1, 2].map(|k| &piece.corners[k].as_array_ref()[..]), piece.count);
             }
             assert!((sum - whole).abs() < 1e-5 * whole, "{count} corners: {sum} of {whole}");
         }

@@ -2,7 +2,7 @@
 
 use qrad::bsp::Bsp;
 use qrad::light::{DirectLight, StyleLight, bounce_source, direct};
-use qrad::lightmap::{Gather, GatherSettings, Sources, indirect};
+use qrad::lightmap::{Gather, Sources, indirect};
 use qrad::patch::MapPatches;
 use qrad::radiosity::bounce::{Bounced, bounce};
 use qrad::radiosity::solve::Limits;
@@ -88,8 +88,7 @@ impl Prepared {
     /// Indirect light at the luxels of each surface.
     pub fn gather(&self, bounced: &Bounced, gather: Gather) -> Vec<Vec<StyleLight>> {
         let Self { scene, samples, patches, transfers, settings } = self;
-        let how =
-            GatherSettings { gather, error: settings.gather_error, hemicube: settings.hemicube };
+        let how = Settings { gather, ..settings.clone() }.gathering();
         let sources = Sources { scene, patches, transfers, light: &bounced.styles };
         indirect(sources, samples, how, |_| {}).0
     }

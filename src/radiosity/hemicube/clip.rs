@@ -1,7 +1,7 @@
 //! Clipping polygons to the view pyramid of one hemicube side.
 
+use super::lanes::Lanes;
 use glam::Vec3;
-use wide::{CmpLt, f32x8};
 
 /// A point as (column x depth, row x depth, depth): dividing by the depth gives cell coordinates.
 pub(super) type Homogeneous = Vec3;
@@ -19,10 +19,10 @@ fn distance(p: Homogeneous, width: f32, height: f32, plane: usize) -> f32 {
 
 /// The lanes that are outside of each of the four planes, a bit each.
 #[inline(always)]
-pub(super) fn outside(p: &[f32x8; 3], size: [f32; 2]) -> [i32; 4] {
+pub(super) fn outside<V: Lanes>(p: &[V; 3], size: [f32; 2]) -> [i32; 4] {
     let [x, y, z] = *p;
-    let far = |at: f32x8, size: f32| f32x8::splat(size) * z - at;
-    let below = |d: f32x8| d.cmp_lt(f32x8::ZERO).move_mask();
+    let far = |at: V, size: f32| V::all(size) * z - at;
+    let below = |d: V| d.cmp_lt(V::all(0.0)).mask();
     [below(x), below(far(x, size[0])), below(y), below(far(y, size[1]))]
 }
 

@@ -1,13 +1,13 @@
 //! The coordinates of a view, (right, up, normal) from its eye: boxes and polygons are brought into
 //! them once, and the five sides are then exchanges of axes.
 
-use super::lanes::{all, greatest, least};
+use super::lanes::{Lanes, all, extent, greatest, least};
 use super::outline::Cells;
 use super::side::{Nearness, Side};
 use super::{HemicubeSize, SIDES, SideId, View};
 use crate::scene::Node;
 use glam::Vec3;
-use wide::{CmpGe, CmpLe, f32x8};
+use wide::{CmpGe, CmpLe, f32x4, f32x8};
 
 /// A bit for each of the five sides, in the order of [`SIDES`].
 pub(super) type SideSet = u8;
@@ -59,9 +59,10 @@ impl Frame {
         }
     }
 
-    /// The frame's coordinates of eight points.
-    #[inline]
-    pub fn local(&self, [x, y, z]: &[f32x8; 3]) -> [f32x8; 3] {
+    /// The frame's coordinates of points in lanes.
+    #[inline(always)]
+    pub fn local<V: Lanes>(&self, [x, y, z]: &[V; 3]) -> [V; 3] {
+        let all = V::all;
         let (x, y, z) = (*x - all(self.eye.x), *y - all(self.eye.y), *z - all(self.eye.z));
         let along = |axis: Vec3| x * all(axis.x) + y * all(axis.y) + z * all(axis.z);
         let [right, up, normal] = self.axes;
@@ -111,10 +112,8 @@ impl Frame {
             return false;
         }
         let inverse = f32x8::ONE / depth;
-        let (across, up) = (along(0) * inverse, along(1) * inverse);
-        let low = frame.cell(least(across), least(up));
-        let high = frame.cell(greatest(across), greatest(up));
-        match Cells::between(low, high, side.size()) {
+        let around = frame.cells(extent(along(0) * inverse, along(1) * inverse));
+        match Cells::between(around, side.size()) {
             Some(cells) => side.covered(cells, 1.0 / nearest),
             None => true,
         }
@@ -141,10 +140,10 @@ impl Frame {
 pub(super) struct SideView<'a>(&'a SideFrame);
 
 impl SideView<'_> {
-    /// Eight points of the frame, as the side's cells have them.
-    #[inline]
-    pub fn project(&self, p: &[f32x8; 3]) -> [f32x8; 3] {
-        let f = self.0;
+    /// Points of the frame, as the side's cells have them.
+    #[inline(always)]
+    pub fn project<V: Lanes>(&self, p: &[V; 3]) -> [V; 3] {
+        let (f, all) = (self.0, V::all);
         let turned = |k: usize| p[f.axis[k]] * all(f.sign[k]);
         let (a, b, c) = (turned(0), turned(1), turned(2));
         [(a + c) * all(f.columns), (b + c * all(f.lowest)) * all(f.rows), c]
@@ -184,8 +183,11 @@ impl SideFrame {
         std::array::from_fn(|k| p[self.axis[k]] * self.sign[k])
     }
 
-    fn cell(&self, across: f32, up: f32) -> [f32; 2] {
-        [(across + 1.0) * self.columns, (up + self.lowest) * self.rows]
+    /// Cell coordinates of two points at depth 1.
+    fn cells(&self, points: f32x4) -> f32x4 {
+        let (start, scale) = ([1.0, self.lowest], [self.columns, self.rows]);
+        let twice = |[a, b]: [f32; 2]| f32x4::new([a, b, a, b]);
+        (points + twice(start)) * twice(scale)
     }
 }
 

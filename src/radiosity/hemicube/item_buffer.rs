@@ -3,16 +3,12 @@
 
 use super::clip::{Homogeneous, clip, outside};
 use super::frame::{ALL_SIDES, Frame, SideSet};
-use super::lanes::greatest;
-use super::outline::Outline;
+use super::lanes::{LANES, Lanes, greatest};
+use super::outline::{Edges, Outline};
 use super::side::{NOTHING, Side};
 use super::{HemicubeSize, SIDES, SideId, View};
 use crate::scene::{Piece, Tracer};
 use glam::Vec3;
-use wide::{CmpGt, f32x8};
-
-/// What [`outside`] tells of a plane that all corners are outside of.
-const ALL_CORNERS: i32 = 255;
 
 /// Which polygon a point sees through each cell. Reused from one hemicube to the next.
 pub struct ItemBuffer {
@@ -22,6 +18,7 @@ pub struct ItemBuffer {
     stack: Vec<(u32, SideSet)>,
     points: Vec<Homogeneous>,
     spare: Vec<Homogeneous>,
+    edges: Edges,
 }
 
 /// Cells of one row that lie beside each other in memory.
@@ -52,6 +49,7 @@ impl ItemBuffer {
             stack: Vec::new(),
             points: Vec::new(),
             spare: Vec::new(),
+            edges: Edges::default(),
         }
     }
 
@@ -74,9 +72,9 @@ impl ItemBuffer {
             let node = &nodes[index as usize];
             if node.count > 0 {
                 // Polygons are tested by themselves, more exactly than by their box.
-                for piece in pieces.of(node) {
-                    self.draw_piece(piece, &frame, sides);
-                }
+                let (small, large) = pieces.of(node);
+                small.iter().for_each(|piece| self.draw_piece(piece, &frame, sides));
+                large.iter().for_each(|piece| self.draw_piece(piece, &frame, sides));
                 continue;
             }
             let corners = frame.corners(node);
@@ -113,40 +111,55 @@ impl ItemBuffer {
         }
     }
 
-    fn draw_piece(&mut self, piece: &Piece, frame: &Frame, sides: SideSet) {
+    fn draw_piece<V: Lanes>(&mut self, piece: &Piece<V>, frame: &Frame, sides: SideSet) {
         let local = frame.local(&piece.corners);
         for number in members(sides) {
-            let side = frame.side(number);
-            let target = &mut self.sides[number];
-            let size = target.size();
-            let points = side.project(&local);
+            let size = self.sides[number].size();
+            let points = frame.side(number).project(&local);
             let outside = outside(&points, size);
-            if outside.contains(&ALL_CORNERS) {
+            // Outside of one of the planes with all corners.
+            if outside.contains(&V::EVERY) {
                 continue;
             }
-            let inverse = f32x8::ONE / points[2];
+            let inverse = V::all(1.0) / points[2];
             let whole = Outline::projected(&points, inverse);
-            let before = points[2].cmp_gt(f32x8::ZERO).all();
-            let (outline, nearest);
+            let before = points[2].cmp_gt(V::all(0.0)).mask() == V::EVERY;
             if before && (outside == [0; 4] || whole.is_near(size)) {
-                (outline, nearest) = (whole, greatest(inverse));
-            } else {
-                self.points.clear();
-                let [x, y, z] = [points[0].to_array(), points[1].to_array(), points[2].to_array()];
-                self.points.extend((0..piece.count as usize).map(|k| Vec3::new(x[k], y[k], z[k])));
-                if !clip(&mut self.points, &mut self.spare, size[0], size[1]) {
-                    continue;
-                }
-                outline = Outline::clipped(&self.points, size);
-                nearest = 1.0 / self.points.iter().map(|p| p.z).fold(f32::INFINITY, f32::min);
-            }
-            let Some(cells) = outline.cells(size) else { continue };
-            if target.covered(cells, nearest) {
+                self.fill(&whole, greatest(inverse), piece, frame, number);
                 continue;
             }
-            let Some(slope) = frame.nearness(piece.on, piece.normal) else { return };
-            target.fill(&outline.edges(size[1]), cells, side.nearness(slope), piece.polygon);
+            let mut lanes = [[0.0; LANES]; 3];
+            points.iter().zip(&mut lanes).for_each(|(p, lanes)| p.store(lanes));
+            let [x, y, z] = &lanes;
+            self.points.clear();
+            self.points.extend((0..piece.count as usize).map(|k| Vec3::new(x[k], y[k], z[k])));
+            if clip(&mut self.points, &mut self.spare, size[0], size[1]) {
+                let outline = Outline::clipped(&self.points, size);
+                let nearest = 1.0 / self.points.iter().map(|p| p.z).fold(f32::INFINITY, f32::min);
+                self.fill(&outline, nearest, piece, frame, number);
+            }
         }
+    }
+
+    /// Draws a piece with this outline on side `number`, unless all of it is hidden.
+    #[inline(always)]
+    fn fill<V: Lanes, P>(
+        &mut self,
+        outline: &Outline<V>,
+        nearest: f32,
+        piece: &Piece<P>,
+        frame: &Frame,
+        number: usize,
+    ) {
+        let side = &mut self.sides[number];
+        let size = side.size();
+        let Some(cells) = outline.cells(size) else { return };
+        if side.covered(cells, nearest) {
+            return;
+        }
+        let Some(slope) = frame.nearness(piece.on, piece.normal) else { return };
+        outline.edges(size[1], &mut self.edges);
+        side.fill(&self.edges, cells, frame.side(number).nearness(slope), piece.polygon);
     }
 }
 

@@ -51,6 +51,13 @@ impl HemicubeSize {
         Self { width: part(self.width), height: part(self.height) }
     }
 
+    /// Half as many cells along each edge, but not fewer than 8 where there were more: where little
+    /// depends on a hemicube.
+    pub(crate) fn halved(self) -> Self {
+        let part = |n: u32| (n / 4 * 2).max(n.min(8));
+        Self { width: part(self.width), height: part(self.height) }
+    }
+
     /// Rows of one side.
     pub(super) fn rows(self, side: SideId) -> u32 {
         if side == SideId::Top { self.height } else { self.height / 2 }

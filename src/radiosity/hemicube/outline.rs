@@ -1,16 +1,20 @@
 //! The outline of a polygon on one side, in cell coordinates.
 
 use super::clip::Homogeneous;
-use super::lanes::{CENTRES, LANES, STEPS, all, bits, greatest, least};
-use wide::{CmpEq, CmpGe, CmpGt, CmpLe, CmpLt, f32x4, f32x8};
+use super::lanes::{CENTRES, LANES, Lanes, STEPS, all, bits, extent};
+use wide::{CmpGe, CmpLt, f32x4, f32x8};
 
 /// Corners may be as far from the corner (0, 0) as this many times the side's width and height.
 const GUARD: f32 = 2.0;
 
-/// Corners of a convex polygon, up to sixteen; lanes that are left over repeat the last one.
-pub(super) struct Outline {
-    x: [f32x8; 2],
-    y: [f32x8; 2],
+/// The upper of two points.
+const UPPER: f32x4 = f32x4::new([0.0, 0.0, ON, ON]);
+const ON: f32 = f32::from_bits(u32::MAX);
+
+/// Corners of a convex polygon, up to twice the lanes; lanes that are left over repeat the last one.
+pub(super) struct Outline<V> {
+    x: [V; 2],
+    y: [V; 2],
     groups: usize,
 }
 
@@ -22,10 +26,10 @@ pub(super) struct Cells {
 }
 
 impl Cells {
-    /// The cells whose centres lie between two points.
+    /// The cells whose centres lie between two points, the lower and the upper.
     #[inline(always)]
-    pub fn between(low: [f32; 2], high: [f32; 2], size: [f32; 2]) -> Option<Self> {
-        let v = f32x4::new([low[0], low[1], high[0], high[1]]) + f32x4::splat(0.5);
+    pub fn between(points: f32x4, size: [f32; 2]) -> Option<Self> {
+        let v = points + f32x4::splat(0.5);
         let size = f32x4::new([size[0], size[1], size[0], size[1]]);
         // Truncation is rounding down here, and much faster than `ceil` on plain x86-64.
         let first = v.fast_max(f32x4::ZERO).fast_min(size).fast_trunc_int().to_array();
@@ -36,15 +40,14 @@ impl Cells {
 
 /// The first cell whose centre is at or beyond coordinate `v` of 0 to `size`, as a whole number.
 #[inline(always)]
-fn first_centre(v: f32x8, size: f32) -> f32x8 {
-    let v = (v + all(0.5)).fast_max(f32x8::ZERO).fast_min(all(size));
-    v.fast_trunc_int().round_float()
+fn first_centre<V: Lanes>(v: V, size: f32) -> V {
+    (v + V::all(0.5)).larger(V::all(0.0)).smaller(V::all(size)).truncated()
 }
 
-impl Outline {
-    /// Of up to eight points before the eye.
+impl<V: Lanes> Outline<V> {
+    /// Of points before the eye.
     #[inline(always)]
-    pub fn projected(p: &[f32x8; 3], inverse: f32x8) -> Self {
+    pub fn projected(p: &[V; 3], inverse: V) -> Self {
         let (x, y) = (p[0] * inverse, p[1] * inverse);
         Self { x: [x, x], y: [y, y], groups: 1 }
     }
@@ -52,10 +55,48 @@ impl Outline {
     /// Whether no corner is so far out that rounding would tell.
     #[inline(always)]
     pub fn is_near(&self, size: [f32; 2]) -> bool {
-        let far = all(GUARD * (size[0] + size[1]));
-        self.x[0].abs().fast_max(self.y[0].abs()).cmp_le(far).all()
+        let far = V::all(GUARD * (size[0] + size[1]));
+        self.x[0].size().larger(self.y[0].size()).cmp_le(far).mask() == V::EVERY
     }
 
+    /// The cells in the rectangle around the polygon; `None` if no centre is in it.
+    #[inline(always)]
+    pub fn cells(&self, size: [f32; 2]) -> Option<Cells> {
+        let mut around = extent(self.x[0], self.y[0]);
+        if self.groups == 2 {
+            let more = extent(self.x[1], self.y[1]);
+            let (low, high) = (around.fast_min(more), around.fast_max(more));
+            around = UPPER.blend(high, low);
+        }
+        Cells::between(around, size)
+    }
+
+    /// Its edges, on a side with `height` rows.
+    pub fn edges(&self, height: f32, edges: &mut Edges) {
+        edges.crossing = 0;
+        for group in 0..self.groups {
+            let before = if group == 0 { self.groups - 1 } else { 0 };
+            let (x1, y1) = (self.x[group], self.y[group]);
+            let (x0, y0) = (x1.rotated(self.x[before]), y1.rotated(self.y[before]));
+            // From the lower to the higher end, so that neighbours compute the same crossings.
+            let down = y0.cmp_gt(y1);
+            let (ax, ay) = (down.choose(x1, x0), down.choose(y1, y0));
+            let (bx, by) = (down.choose(x0, x1), down.choose(y0, y1));
+            let first = first_centre(ay, height);
+            let end = first_centre(by, height);
+            let slope = (bx - ax) / (by - ay);
+            let at = group * V::COUNT;
+            ax.store(&mut edges.x[at..]);
+            ay.store(&mut edges.y[at..]);
+            slope.store(&mut edges.slope[at..]);
+            first.store(&mut edges.first[at..]);
+            end.store(&mut edges.end[at..]);
+            edges.crossing |= first.cmp_lt(end).mask().cast_unsigned() << at;
+        }
+    }
+}
+
+impl Outline<f32x8> {
     /// Of points that are left of a clipped polygon.
     pub fn clipped(points: &[Homogeneous], size: [f32; 2]) -> Self {
         // Clipping leaves rounding errors, and 0 / 0 where a polygon touches the eye: `max` and
@@ -74,54 +115,10 @@ impl Outline {
         let (x, y) = (halves(x), halves(y));
         Self { x, y, groups }
     }
-
-    /// The cells in the rectangle around the polygon; `None` if no centre is in it.
-    #[inline(always)]
-    pub fn cells(&self, size: [f32; 2]) -> Option<Cells> {
-        let (mut low, mut high) = ([self.x[0], self.y[0]], [self.x[0], self.y[0]]);
-        if self.groups == 2 {
-            low = [low[0].fast_min(self.x[1]), low[1].fast_min(self.y[1])];
-            high = [high[0].fast_max(self.x[1]), high[1].fast_max(self.y[1])];
-        } else if one_cell(self.x[0], size[0]) || one_cell(self.y[0], size[1]) {
-            return None;
-        }
-        Cells::between([least(low[0]), least(low[1])], [greatest(high[0]), greatest(high[1])], size)
-    }
-
-    /// Its edges, on a side with `height` rows.
-    pub fn edges(&self, height: f32) -> Edges {
-        let mut edges = Edges {
-            x: [0.0; 16],
-            y: [0.0; 16],
-            slope: [0.0; 16],
-            first: [0.0; 16],
-            end: [0.0; 16],
-            crossing: 0,
-        };
-        for group in 0..self.groups {
-            let before = if group == 0 { self.groups - 1 } else { 0 };
-            let (x1, y1) = (self.x[group], self.y[group]);
-            let (x0, y0) = (rotated(x1, self.x[before]), rotated(y1, self.y[before]));
-            // From the lower to the higher end, so that neighbours compute the same crossings.
-            let down = y0.cmp_gt(y1);
-            let (ax, ay) = (down.blend(x1, x0), down.blend(y1, y0));
-            let (bx, by) = (down.blend(x0, x1), down.blend(y0, y1));
-            let first = first_centre(ay, height);
-            let end = first_centre(by, height);
-            let slope = (bx - ax) / (by - ay);
-            let at = group * LANES..group * LANES + LANES;
-            edges.x[at.clone()].copy_from_slice(&ax.to_array());
-            edges.y[at.clone()].copy_from_slice(&ay.to_array());
-            edges.slope[at.clone()].copy_from_slice(&slope.to_array());
-            edges.first[at.clone()].copy_from_slice(&first.to_array());
-            edges.end[at].copy_from_slice(&end.to_array());
-            edges.crossing |= (first.cmp_lt(end).move_mask() as u32) << (group * LANES);
-        }
-        edges
-    }
 }
 
 /// The edges of an outline that cross a row of centres.
+#[derive(Default)]
 pub(super) struct Edges {
     /// The lower end of each.
     x: [f32; 16],
@@ -149,20 +146,6 @@ impl Edges {
         }
         [first_centre(from, width), first_centre(to, width)]
     }
-}
-
-/// Whether no centre lies between any two of the coordinates.
-#[inline(always)]
-fn one_cell(v: f32x8, size: f32) -> bool {
-    let first = first_centre(v, size);
-    first.cmp_eq(all(first.to_array()[0])).all()
-}
-
-/// `v` moved one lane up; the first lane is the last of `before`.
-#[inline(always)]
-fn rotated(v: f32x8, before: f32x8) -> f32x8 {
-    let (v, last) = (v.to_array(), before.to_array()[LANES - 1]);
-    f32x8::new([last, v[0], v[1], v[2], v[3], v[4], v[5], v[6]])
 }
 
 fn halves(v: [f32; 16]) -> [f32x8; 2] {

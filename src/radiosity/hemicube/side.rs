@@ -237,6 +237,7 @@ mod tests {
     use super::*;
     use crate::radiosity::hemicube::outline::Outline;
     use glam::Vec3;
+    use wide::f32x4;
 
     const FLAT: Nearness = Nearness { base: 1.0, dx: 0.0, dy: 0.0 };
 
@@ -245,14 +246,17 @@ mod tests {
         let points: Vec<Vec3> = corners.iter().map(|c| Vec3::new(c[0], c[1], 1.0)).collect();
         let size = side.size();
         let outline = Outline::clipped(&points, size);
+        let mut edges = Edges::default();
         if let Some(cells) = outline.cells(size) {
-            side.fill(&outline.edges(size[1]), cells, nearness, item);
+            outline.edges(size[1], &mut edges);
+            side.fill(&edges, cells, nearness, item);
         }
     }
 
     /// Whether the cells between two points are covered, or there are none.
     fn covered(side: &Side, low: [f32; 2], high: [f32; 2], nearness: f32) -> bool {
-        let cells = Cells::between(low, high, side.size());
+        let around = f32x4::new([low[0], low[1], high[0], high[1]]);
+        let cells = Cells::between(around, side.size());
         cells.is_none_or(|cells| side.covered(cells, nearness))
     }
 

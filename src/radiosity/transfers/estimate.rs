@@ -1,6 +1,6 @@
 //! How much memory transfers will take, from a few of their rows.
 
-use super::{Gatherer, OVERLAY_ENTRY, Transfers};
+use super::{Gatherer, OVERLAY_ENTRY, Sharing, Transfers};
 use crate::patch::PatchSet;
 use crate::radiosity::hemicube::{DeltaFormFactors, HemicubeSize, View};
 use crate::scene::Tracer;
@@ -18,7 +18,7 @@ impl Transfers {
     pub fn expected_bytes(
         tracer: &Tracer,
         patches: &PatchSet,
-        (leaders, share): (&[u32], f32),
+        Sharing { leaders, share, .. }: Sharing<'_>,
         size: HemicubeSize,
     ) -> u64 {
         let all: Vec<u32> =

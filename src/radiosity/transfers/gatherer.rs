@@ -6,7 +6,7 @@ use crate::radiosity::overlay_view::{OverlayView, Shown};
 use crate::scene::Tracer;
 use crate::scene::effects::COMPILED;
 use glam::{DVec3, Vec3, Vec4};
-use wide::f32x8;
+use wide::{CmpLt, f32x8};
 
 /// Turns hemicubes into sums over patches. Holds the buffers that are reused.
 pub struct Gatherer<'a> {
@@ -155,9 +155,9 @@ pub struct Distances {
 /// A luxel interval of a face, the square between four luxels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Interval {
-    /// Number of the face's first interval among those of the map.
-    pub first: u32,
-    /// Its number on the face.
+    /// Number of the surface.
+    pub surface: u32,
+    /// Its number on the surface, row by row.
     pub number: u32,
 }
 
@@ -202,27 +202,27 @@ fn for_each_patch(
                     let next = 2.0 / size.width() as f32;
                     let start = c + b * at.y + a * at.x;
                     let depth = f32x8::ONE / lanes(cells.nearness, 1.0);
-                    let interval = |row: Vec4, count: usize| {
+                    let along = |row: Vec4| {
                         let r = row.truncate();
                         let slope = STEPS * f32x8::splat(r.dot(a) * next);
                         let along = (f32x8::splat(r.dot(start)) + slope) * depth;
-                        let at = along + f32x8::splat(r.dot(view.position) + row.w);
-                        // What is out of range, by rounding, belongs to the last. Truncated numbers
-                        // are small: the casts are exact, and quick to signed integers.
-                        let last = f32x8::splat((count - 1) as f32);
-                        let number = f32x8::ZERO.fast_max(at).fast_min(last).to_array();
-                        (number.map(|v| v as i32 as u32), at.to_array())
+                        along + f32x8::splat(r.dot(view.position) + row.w)
                     };
-                    let (columns, s) = interval(grid.s_row, grid.block_column.len());
-                    let (rows, t) = interval(grid.t_row, grid.block_row.len());
-                    let depth = depth.to_array();
+                    // What is out of range, by rounding, belongs to the last.
+                    let interval = |at: f32x8, count: usize| {
+                        let last = f32x8::splat((count - 1) as f32);
+                        at.fast_max(f32x8::ZERO).fast_min(last).fast_trunc_int().to_array()
+                    };
+                    let (s, t) = (along(grid.s_row), along(grid.t_row));
+                    let columns = grid.block_column.len();
+                    let (column, row) = (interval(s, columns), interval(t, grid.block_row.len()));
+                    let near = depth.cmp_lt(f32x8::splat(reach)).move_mask();
                     let place = |i: usize| {
-                        let (column, row) = (columns[i], rows[i]);
-                        let near = depth[i] < reach;
-                        let number = row * grid.block_column.len() as u32 + column;
-                        let interval = Interval { first: grid.first_interval, number };
-                        let patch = grid.of_interval([column as usize, row as usize], [s[i], t[i]]);
-                        (patch, near.then_some(interval))
+                        let number = (row[i] * columns as i32 + column[i]).cast_unsigned();
+                        let coordinates = || [s.to_array()[i], t.to_array()[i]];
+                        let patch = grid.in_interval(number as usize, coordinates);
+                        let interval = Interval { surface: grid.surface, number };
+                        (patch, (near >> i & 1 == 1).then_some(interval))
                     };
                     let (mut here, mut sum) = (place(first), weights[first]);
                     for (i, weight) in weights.iter().enumerate().take(to).skip(first + 1) {
