@@ -17,6 +17,7 @@ mod map_stages;
 pub mod memory;
 pub mod output;
 pub mod outputs;
+mod overlay_estimate;
 pub mod patch;
 pub mod photometry;
 pub mod plan_costs;

@@ -12,6 +12,7 @@ use crate::progress::{Deadline, Progress};
 use crate::radiosity::bounce::Bounced;
 use crate::radiosity::transfers::Transfers;
 use crate::report::Counts;
+use crate::scene::effects::check_switches;
 use crate::scene::{Scene, Sidecar};
 use crate::settings::Settings;
 use crate::stage::{self, Gathered, Points};
@@ -55,6 +56,7 @@ impl DirectLit {
         bsp.clear_lighting();
         bsp.rewrite_entities(settings.styles(bsp)?)?;
         let scene = Scene::build(bsp, sidecar, &settings.scene(textures))?;
+        check_switches(&scene, settings)?;
         let points = stage::place(&scene, settings, progress)?;
         let samples = points.samples();
         let (direct, partly) = if let Some(end) = aim::end_of_direct(settings.aim) {
@@ -88,9 +90,10 @@ impl DirectLit {
         let light = &bounced.styles;
         let sources = Sources { scene, patches: &patches, transfers: &transfers, light };
         let gathered = stage::gather(sources, &points.luxels, settings, end, progress);
+        let lit = (points, &direct[..]);
+        let counts = Counts::new(scene, lit, &patches, &transfers, &bounced, &gathered);
         let checked =
             stage::check(sources, &shining, &points.luxels, &gathered, settings, progress);
-        let counts = Counts::new(scene, direct, &patches, &transfers, &bounced, &gathered);
         Some(BouncedLight { patches, transfers, bounced, gathered, counts, checked })
     }
 
@@ -101,7 +104,8 @@ impl DirectLit {
         let gathered = stage::ambient(scene, (points, direct), settings);
         let (patches, transfers) = (MapPatches::default(), Transfers::default());
         let bounced = Bounced::default();
-        let counts = Counts::new(scene, direct, &patches, &transfers, &bounced, &gathered);
+        let lit = (points, &direct[..]);
+        let counts = Counts::new(scene, lit, &patches, &transfers, &bounced, &gathered);
         BouncedLight { patches, transfers, bounced, gathered, counts, checked: (None, None) }
     }
 
@@ -119,6 +123,7 @@ impl DirectLit {
         let how = settings.gathering();
         let done = lightmap::refine(sources, &self.points.luxels, &mut gathered.maps, how, end);
         counts.hemicubes[1] += done;
+        counts.overlay = transfers.overlay_costs();
         done
     }
 

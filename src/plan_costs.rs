@@ -3,13 +3,18 @@
 use crate::aim::{Costs, sample_direct};
 use crate::bsp::{Bsp, MipTex};
 use crate::light::RayCounts;
+use crate::lightmap;
+use crate::overlay_estimate::{ThroughCosts, curtain_cost};
 use crate::progress::Progress;
 use crate::report::Counts;
-use crate::scene::effects::{Cost, Effect, Plan, plan};
+use crate::scene::effects::{Cost, Effect, Plan, check_switches, plan};
 use crate::scene::{Scene, Sidecar};
 use crate::settings::Settings;
 use crate::{Result, stage};
 use std::time::Duration;
+
+/// Effects of what light comes through or is sent back by unevenly, while it bounces.
+const THROUGH: [Effect; 3] = [Effect::Glass, Effect::Curtains, Effect::Shaders];
 
 /// The most bytes of a stored form factor and its column.
 const FACTOR_BYTES: f64 = 6.0;
@@ -39,16 +44,19 @@ pub fn explained(
     bsp.clear_lighting();
     bsp.rewrite_entities(settings.styles(bsp)?)?;
     let scene = Scene::build(bsp, sidecar, &settings.scene(textures))?;
+    check_switches(&scene, settings)?;
     let mut plan = plan(&scene, settings);
     let points = stage::place(&scene, settings, &Progress::new(false))?;
     let (seconds, rays) = sample_direct(&scene, &points);
-    let bounced = plan.is_on(Effect::Bounces).then(|| {
+    let smoothed = scene.smoothed_bytes();
+    let mut costs = Took { rays, seconds, smoothed, ..Took::default() };
+    if plan.is_on(Effect::Bounces) {
         let rung = settings.ladder.nearest(settings);
-        let costs = Costs::measure(&scene, &points.luxels);
-        let [_, hemicubes, factors] = costs.counts(&rung);
+        let samples = Costs::measure(&scene, &points.luxels);
+        let [_, hemicubes, factors] = samples.counts(&rung);
         let cells = settings.hemicube.cells() as f64;
-        let of_luxels = costs.luxels(&rung);
-        let whole = costs.seconds(&rung);
+        let of_luxels = samples.luxels(&rung);
+        let whole = samples.seconds(&rung);
         let share = hemicubes / (hemicubes + of_luxels).max(1.0);
         let bounces = Cost {
             cells: (hemicubes * cells) as u64,
@@ -57,10 +65,18 @@ pub fn explained(
             ..Cost::default()
         };
         let cells = (of_luxels * cells) as u64;
-        [bounces, Cost { cells, seconds: whole * (1.0 - share), ..Cost::default() }]
-    });
+        let near = Cost { cells, seconds: whole * (1.0 - share), ..Cost::default() };
+        costs.bounced = Some([bounces, near]);
+        if THROUGH.iter().any(|&effect| plan.is_on(effect)) {
+            costs.through = ThroughCosts::sample(&scene, &points, settings, [hemicubes, of_luxels]);
+        }
+        if plan.is_on(Effect::Minlight) {
+            let hemicubes = lightmap::probe_hemicubes(&scene, points.samples());
+            costs.probes = hemicubes * settings.hemicube.cells() as u64;
+        }
+    }
     for entry in plan.entries.iter_mut().filter(|e| e.on) {
-        entry.predicted = cost(entry.effect, &rays, seconds, bounced);
+        entry.predicted = costs.of(entry.effect);
     }
     Ok(plan)
 }
@@ -94,31 +110,57 @@ pub fn measured(
         let seconds = bounces.seconds + luxels.seconds;
         bounced = [Cost { cells, seconds, ..bounces }, Cost::default()];
     }
+    let [glass, shaders] = counts.overlay;
+    let curtains = curtain_cost(counts.passages, counts.patches, counts.styles);
+    let costs = Took {
+        rays: counts.rays,
+        seconds: seconds(&["direct light"]),
+        bounced: Some(bounced),
+        through: ThroughCosts { glass, curtains, shaders },
+        smoothed: counts.smoothed,
+        probes: counts.probes * cells,
+    };
     for entry in &mut plan.entries {
-        let direct = seconds(&["direct light"]);
-        entry.measured = cost(entry.effect, &counts.rays, direct, Some(bounced));
+        entry.measured = costs.of(entry.effect);
     }
 }
 
-/// What an effect takes, if that is told apart.
-fn cost(
-    effect: Effect,
-    rays: &RayCounts,
+/// What all effects take together, to be told apart.
+#[derive(Default)]
+struct Took {
+    rays: RayCounts,
+    /// Of direct light.
     seconds: f64,
+    /// What bounces take, and luxels that look for themselves; `None` if nothing bounces.
     bounced: Option<[Cost; 2]>,
-) -> Option<Cost> {
-    let of_rays = |n: u64| Cost {
-        rays: n,
-        seconds: seconds * n as f64 / rays.total().max(1) as f64,
-        ..Cost::default()
-    };
-    match effect {
-        Effect::Bounces => bounced.map(|b| b[0]),
-        Effect::NearField => bounced.map(|b| b[1]),
+    through: ThroughCosts,
+    /// Bytes of smoothed normals.
+    smoothed: u64,
+    /// Cells of the hemicubes for the least light of brush models.
+    probes: u64,
+}
+
+impl Took {
+    /// What an effect takes, if that is told apart.
+    fn of(&self, effect: Effect) -> Option<Cost> {
+        let rays = &self.rays;
+        let of_rays = |n: u64| Cost {
+            rays: n,
+            seconds: self.seconds * n as f64 / rays.total().max(1) as f64,
+            ..Cost::default()
+        };
         // Together: a ray may cross all three kinds. The time is that of the light they belong to.
-        Effect::Fences | Effect::Glass | Effect::ModelShadows => {
-            Some(Cost { rays: rays.filtered, ..Cost::default() })
+        let filtered = Cost { rays: rays.filtered, ..Cost::default() };
+        match effect {
+            Effect::Bounces => self.bounced.map(|b| b[0]),
+            Effect::NearField => self.bounced.map(|b| b[1]),
+            Effect::Fences | Effect::ModelShadows => Some(filtered),
+            Effect::Glass => Some(Cost { rays: rays.filtered, ..self.through.glass }),
+            Effect::Curtains => Some(self.through.curtains),
+            Effect::Shaders => Some(self.through.shaders),
+            Effect::Phong => Some(Cost { bytes: self.smoothed, ..Cost::default() }),
+            Effect::Minlight => Some(Cost { cells: self.probes, ..of_rays(rays.minlight) }),
+            _ => rays.of(effect).map(of_rays),
         }
-        _ => rays.of(effect).map(of_rays),
     }
 }

@@ -2,13 +2,15 @@
 
 use crate::check::{Energy, Findings};
 use crate::light::{DirectLight, RayCounts};
+use crate::lightmap;
 use crate::memory;
 use crate::patch::MapPatches;
 use crate::radiosity::bounce::Bounced;
 use crate::radiosity::channels::Channels;
 use crate::radiosity::transfers::Transfers;
+use crate::scene::effects::Cost;
 use crate::scene::{LuxelGrid, Scene};
-use crate::stage::Gathered;
+use crate::stage::{Gathered, Points};
 use std::collections::BTreeSet;
 use std::fmt::{self, Display};
 use std::time::Duration;
@@ -36,6 +38,12 @@ pub struct Counts {
     pub passages: usize,
     /// Patches whose reflectance varies within their face.
     pub patterned: usize,
+    /// What bounced light took to look through glass, and to look at what varies.
+    pub overlay: [Cost; 2],
+    /// Bytes of smoothed normals.
+    pub smoothed: u64,
+    /// Hemicubes for the least light of brush models.
+    pub probes: u64,
     /// Most passes in any style.
     pub passes: u32,
     /// Whether each of these was a bounce, as their number was limited.
@@ -49,7 +57,7 @@ pub struct Counts {
 impl Counts {
     pub(crate) fn new(
         scene: &Scene,
-        direct: &[DirectLight],
+        (points, direct): (&Points, &[DirectLight]),
         patches: &MapPatches,
         transfers: &Transfers,
         bounced: &Bounced,
@@ -75,6 +83,12 @@ impl Counts {
             transfers: transfers.len(),
             passages: patches.set.passages.len(),
             patterned: patches.patterned,
+            overlay: transfers.overlay_costs(),
+            smoothed: scene.smoothed_bytes(),
+            probes: match bounced.styles.is_empty() {
+                true => 0,
+                false => lightmap::probe_hemicubes(scene, points.samples()),
+            },
             passes: bounced.passes,
             limited: scene.world.bounce.most.is_some(),
             channels: bounced.channels,

@@ -3,7 +3,7 @@
 use anyhow::Context;
 use qrad::aim::TextLadder;
 use qrad::cli::Cli;
-use qrad::patch::{TextScene, decode};
+use qrad::patch::{PatchEffects, TextScene, decode};
 use qrad::progress::Progress;
 use qrad::radiosity::near_pairs::NearLimits;
 use qrad::report::Report;
@@ -37,6 +37,8 @@ pub fn run(cli: &Cli, path: &Path, visible: bool, writing: &Mutex<()>) -> anyhow
     }
     let switches = cli.effects.switches()?;
     text_plan::apply(&switches, &mut scene);
+    let asked = text_plan::plan(&scene, cli.near().is_some(), &switches);
+    switches.check(|effect| asked.is_on(effect))?;
     if cli.effects.explain {
         let near = cli.near().is_some() && !switches.off(Effect::NearField);
         let mut plan = text_plan::plan(&scene, near, &switches);
@@ -153,6 +155,13 @@ fn chosen(cli: &Cli, scene: &TextScene) -> anyhow::Result<(Option<NearLimits>, V
         pilot + seconds
     );
     let mut said = vec![sentence];
+    if scene.patches.iter().any(|q| q.effects != PatchEffects::default()) {
+        said.push(
+            "expected errors are those of scenes without light that comes through and without \
+             patterns: the check at the end tells that of this one"
+                .into(),
+        );
+    }
     if error > target {
         said.push("the target is out of reach of all presets".into());
     }

@@ -1,10 +1,10 @@
 //! The plan of a run on a text scene: which effects its patches call for, why, and what they take.
 
 use crate::aim::{TextLadder, estimate_text};
-use crate::patch::{PatchEffects, Quad, Shader, TextScene};
-use crate::radiosity::hemicube::HemicubeSize;
+use crate::patch::{Passage, PatchEffects, Quad, Shader, TextPatches, TextScene};
+use crate::radiosity::hemicube::{DeltaFormFactors, HemicubeSize, View};
 use crate::radiosity::solve::Solution;
-use crate::radiosity::transfers::Transfers;
+use crate::radiosity::transfers::{Gatherer, OVERLAY_ENTRY, Transfers};
 use crate::scene::effects::{Cost, Effect, Entry, Plan, Switches};
 use crate::settings::Quality;
 use crate::{Result, plan_costs};
@@ -21,6 +21,9 @@ const EFFECTS: [Effect; 7] = [
     Effect::Bounces,
     Effect::NearField,
 ];
+
+/// Hemicubes that tell what glass and patterns will take.
+const SAMPLED: usize = 64;
 
 /// The plan of a run on `scene`, of which `switches` are applied already; `near` tells whether near pairs get
 /// closed forms.
@@ -78,16 +81,55 @@ fn make_grey(quad: &mut Quad) {
 /// # Errors
 /// When the scene's hemicube size is out of range.
 pub fn predict(plan: &mut Plan, scene: &TextScene, quality: Quality) -> Result<()> {
+    let [width, height] = scene.hemicube;
     let predicted = estimate_text(scene, &TextLadder::default(), |q| q == quality)?;
-    if let (Some(predicted), Some(entry)) = (predicted.first(), plan.entry_mut(Effect::Bounces)) {
-        entry.predicted = entry.on.then(|| Cost {
-            cells: cells(scene),
-            bytes: predicted.memory as u64,
-            seconds: predicted.seconds,
-            rays: 0,
-        });
+    let bounces = predicted.first().map(|predicted| Cost {
+        cells: cells(scene),
+        bytes: predicted.memory as u64,
+        seconds: predicted.seconds,
+        rays: 0,
+    });
+    let [glass, shaders] = look_around(&TextPatches::new(scene), HemicubeSize::new(width, height)?);
+    let costs = [
+        (Effect::Bounces, bounces),
+        (Effect::Glass, Some(glass)),
+        (Effect::Curtains, Some(curtains(scene))),
+        (Effect::Shaders, Some(shaders)),
+    ];
+    for (effect, cost) in costs {
+        let entry = plan.entry_mut(effect).expect("among those of text scenes");
+        entry.predicted = cost.filter(|_| entry.on);
     }
     Ok(())
+}
+
+/// What translucent patches and patterns are expected to take in hemicubes, from some of them.
+fn look_around(patches: &TextPatches, size: HemicubeSize) -> [Cost; 2] {
+    let set = &patches.set;
+    let Some(overlay) = &set.overlay else { return Default::default() };
+    let delta = DeltaFormFactors::new(size);
+    let mut gatherer = Gatherer::new(&patches.tracer, set, &delta, size);
+    let all = set.patches.len();
+    let chosen = (0..all).step_by(all.div_ceil(SAMPLED).max(1));
+    let share = all as f64 / chosen.len().max(1) as f64;
+    let mut entries = 0;
+    for i in chosen {
+        let patch = &set.patches[i];
+        gatherer.look(&View::turned(patch.eye, patch.normal, i as u64));
+        entries += gatherer.overlay().len();
+    }
+    overlay.costs((entries * OVERLAY_ENTRY) as u64).map(|cost| Cost {
+        cells: (cost.cells as f64 * share) as u64,
+        bytes: (cost.bytes as f64 * share) as u64,
+        seconds: cost.seconds * share,
+        ..cost
+    })
+}
+
+/// Memory of what comes through, both ways.
+fn curtains(scene: &TextScene) -> Cost {
+    let count = scene.patches.iter().filter(|q| q.effects.diffuse.is_some()).count();
+    Cost { bytes: (2 * count * size_of::<Passage>()) as u64, ..Cost::default() }
 }
 
 /// Adds what effects took in a run.
@@ -105,7 +147,15 @@ pub fn measure(
         rays: 0,
     };
     let near = Cost { seconds: seconds(&["near pairs"]), ..Cost::default() };
-    for (effect, cost) in [(Effect::Bounces, bounces), (Effect::NearField, near)] {
+    let [glass, shaders] = transfers.overlay_costs();
+    let costs = [
+        (Effect::Bounces, bounces),
+        (Effect::NearField, near),
+        (Effect::Glass, glass),
+        (Effect::Curtains, curtains(scene)),
+        (Effect::Shaders, shaders),
+    ];
+    for (effect, cost) in costs {
         plan.entry_mut(effect).expect("among those of text scenes").measured = Some(cost);
     }
     let colour = plan.entry_mut(Effect::Colour).expect("among those of text scenes");

@@ -8,7 +8,7 @@ use qrad::lightmap::DebugView;
 use qrad::scene::luxels;
 use support::lit_levels::texinfo;
 use support::lit_light::{LitLight, settings};
-use support::lit_room::entity;
+use support::lit_room::{entity, surface_at};
 use support::map_builder::MapBuilder;
 
 const LAMP: &[(&str, &str)] = &[("origin", "-100 -60 120")];
@@ -27,16 +27,7 @@ fn view(map: &MapBuilder, view: DebugView) -> LitLight {
 
 /// The luxel nearest to a point of the surface there that looks along `normal`.
 fn at(lit: &LitLight, point: Vec3, normal: Vec3) -> Vec3 {
-    let surface = lit
-        .scene
-        .surfaces
-        .iter()
-        .position(|s| {
-            let min = s.vertices.iter().copied().reduce(Vec3::min).unwrap();
-            let max = s.vertices.iter().copied().reduce(Vec3::max).unwrap();
-            s.normal == normal && point.cmpge(min).all() && point.cmple(max).all()
-        })
-        .expect("a surface at the point");
+    let surface = surface_at(&lit.scene, point, normal);
     let grid = lit.scene.surfaces[surface].luxels.as_ref().unwrap();
     let l = grid.luxel_of(point).round();
     lit.of(surface, 0)[l.y as usize * grid.width as usize + l.x as usize]

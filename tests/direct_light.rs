@@ -6,6 +6,7 @@ use glam::Vec3;
 use qrad::bsp::Format;
 use qrad::light::{DirectLight, at, direct};
 use qrad::scene::{Sample, Scene, SceneSettings, Sidecar, luxels};
+use support::lit_room::surface_at;
 use support::map_builder::MapBuilder;
 
 /// A room of 512 x 512 x 256 units with the given entities after worldspawn.
@@ -24,19 +25,6 @@ fn light(keys: &[(&str, &str)]) -> String {
 fn scene(map: &MapBuilder) -> Scene {
     let bsp = map.build(Format::Bsp29);
     Scene::build(&bsp, Sidecar::default(), &SceneSettings::default()).unwrap()
-}
-
-/// Index of the surface that faces `normal` at `point`.
-fn surface_at(scene: &Scene, point: Vec3, normal: Vec3) -> usize {
-    scene
-        .surfaces
-        .iter()
-        .position(|s| {
-            let min = s.vertices.iter().copied().reduce(Vec3::min).unwrap();
-            let max = s.vertices.iter().copied().reduce(Vec3::max).unwrap();
-            s.normal == normal && point.cmpge(min).all() && point.cmple(max).all()
-        })
-        .expect("a surface at the point")
 }
 
 fn light_at(scene: &Scene, point: [f32; 3], normal: Vec3) -> (DirectLight, Vec<Sample>, usize) {

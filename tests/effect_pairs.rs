@@ -36,6 +36,10 @@ struct Used {
     factors: u64,
     passages: u64,
     patterned: u64,
+    /// Cells of hemicubes behind glass and on patterns.
+    overlaid: [u64; 2],
+    /// Bytes of smoothed normals.
+    smoothed: u64,
     styles: u64,
     channels: u64,
     /// Of lumps and of files beside the map.
@@ -50,13 +54,15 @@ impl Used {
             factors: counts.transfers as u64,
             passages: counts.passages as u64,
             patterned: counts.patterned as u64,
+            overlaid: counts.overlay.map(|cost| cost.cells),
+            smoothed: counts.smoothed,
             styles: counts.styles as u64,
             channels: counts.channels.map_or(0, Channels::count),
             bytes: bytes.map(|n| n as u64),
         }
     }
 
-    fn named(&self) -> [(&'static str, u64); 16] {
+    fn named(&self) -> [(&'static str, u64); 19] {
         let Self { rays: r, hemicubes: [patches, luxels], factors, bytes: [lumps, files], .. } =
             *self;
         [
@@ -72,6 +78,9 @@ impl Used {
             ("form factors", factors),
             ("ways through curtains", self.passages),
             ("patches with patterns", self.patterned),
+            ("cells behind glass", self.overlaid[0]),
+            ("cells on patterns", self.overlaid[1]),
+            ("bytes of smoothed normals", self.smoothed),
             ("styles", self.styles),
             ("channels", self.channels),
             ("bytes of lumps", lumps),
@@ -224,7 +233,12 @@ fn of_light() -> Vec<Pair> {
         pair(Effect::Minlight, "least light of the world", world(("_minlight", "9")), &[]),
         Pair {
             follows: &[LIGHTS],
-            ..pair(Effect::Phong, "smoothed normals", screen(&[("_phong", "1")], GLASS), &[])
+            ..pair(
+                Effect::Phong,
+                "smoothed normals",
+                screen(&[("_phong", "1")], GLASS),
+                &["bytes of smoothed normals"],
+            )
         },
         pair(Effect::Fences, "a fence", screen(&[("_shadow", "1")], FENCE), filtered),
         Pair {
@@ -234,7 +248,7 @@ fn of_light() -> Vec<Pair> {
                 Effect::Glass,
                 "glass",
                 screen(&[("_shadow", "1"), ("alpha", "0.5")], GLASS),
-                filtered,
+                &[FILTERED, "cells behind glass"],
             )
         },
         pair(
@@ -279,7 +293,7 @@ fn of_settings() -> Vec<Pair> {
             Effect::Shaders,
             "a checker",
             Case { materials: CHECKER, ..base() },
-            &["patches with patterns"],
+            &["patches with patterns", "cells on patterns"],
         ),
         Pair {
             without: Case {

@@ -2,8 +2,9 @@
 
 mod support;
 
-use glam::Vec3;
-use qrad::lightmap::DebugView;
+use glam::{DVec3, Vec3};
+use qrad::lightmap::{DebugView, Gather};
+use qrad::radiosity::contour::point_to_polygon;
 use qrad::scene::Sidecar;
 use qrad::scene::material_file::MaterialFile;
 use qrad::settings::{Settings, SurfaceLights};
@@ -11,7 +12,7 @@ use std::f32::consts::PI;
 use support::lit_light::{LitLight, settings};
 use support::lit_room::entity;
 use support::map_builder::MapBuilder;
-use support::program::fail;
+use support::program::{fail, run};
 
 /// The most that closed forms are missed by.
 const CLOSE: f32 = 2e-3;
@@ -197,6 +198,78 @@ fn surfaces_take_what_the_file_says() {
     let want = own * Vec3::new(0.5, 0.75, 1.0);
     assert!((mean / area - want).abs().max_element() < 0.02, "{} {want}", mean / area);
     assert!(kinds > 0, "whole patches are dark");
+}
+
+/// Tiles much smaller than patches, lit evenly, as a wall sees them: against the closed form of every tile.
+#[test]
+fn patterns_are_seen_where_they_are() {
+    const TILE: f32 = 64.0;
+    let light = [("origin", "0 0 120"), ("light", "100"), ("delay", "3"), ("_anglescale", "0")];
+    let map = MapBuilder::room([-128.0, -128.0, 0.0], [128.0, 128.0, 128.0])
+        .solid_texture("wall", 12)
+        .solid_texture("tiles", 12)
+        .room_textures([0, 0, 0, 0, 1, 0])
+        .entities(entity("worldspawn", &[]) + &entity("light", &light));
+    let materials = material("wall", "bounce = false")
+        + &material("tiles", "modifier = { kind = \"checker\", size = 64, colour = [0, 0.5, 1] }");
+    let settings = Settings {
+        bounces: Some(1),
+        patch_size: 8,
+        gather: Gather::Luxel,
+        ..settings(Some(DebugView::Bounce))
+    };
+    let lit = lit(&map, &settings, &materials);
+    let floor = lit.scene.surfaces.iter().find(|s| s.normal == Vec3::Z).unwrap();
+    let dark = Vec3::new(0.0, 0.5, 1.0);
+    let edge = |k: i32| f64::from(TILE) * f64::from(k);
+    let tiles: Vec<(Vec3, Vec<DVec3>)> = (-2..2)
+        .flat_map(|i| (-2..2).map(move |j| (i, j)))
+        .map(|(i, j)| {
+            // The second axis of a floor's texture runs against y.
+            let factor = if (i + j) % 2 == 0 { dark } else { Vec3::ONE };
+            let corners = [[i, j], [i + 1, j], [i + 1, j + 1], [i, j + 1]];
+            // Luxels stand a unit before the walls, and see no more than what is before them.
+            let x = |x| edge(x).clamp(-127.0, 127.0);
+            (factor, corners.map(|[i, j]| DVec3::new(x(i), edge(j), 0.0)).to_vec())
+        })
+        .collect();
+    let (mut off, mut even, mut sum) = (0.0, 0.0, 0.0);
+    for s in (0..lit.scene.surfaces.len()).filter(|&s| lit.scene.surfaces[s].normal.x != 0.0) {
+        let samples = qrad::scene::luxels::place(&lit.scene, s, 1);
+        for (sample, got) in samples.iter().zip(lit.of(s, 0)) {
+            if sample.position.x.abs() != 127.0 {
+                continue;
+            }
+            let [at, normal] = [sample.position, sample.normal].map(Vec3::as_dvec3);
+            let (mut want, mut mean) = (Vec3::ZERO, Vec3::ZERO);
+            for (factor, tile) in &tiles {
+                let light = point_to_polygon(at, normal, tile) as f32 * floor.reflectance.0 * 100.0;
+                want += light * *factor;
+                mean += light * (Vec3::ONE + dark) * 0.5;
+            }
+            off += (got - want).length_squared();
+            even += (mean - want).length_squared();
+            sum += want.length_squared();
+        }
+    }
+    let [off, even] = [off, even].map(|e| (e / sum).sqrt());
+    println!("off by {off}, means by {even}");
+    assert!(even > 0.05, "means do not do: {even}");
+    assert!(off < 0.02, "{off}");
+}
+
+#[test]
+fn names_of_no_texture_are_warned_of() {
+    let dir = tempfile::tempdir().unwrap();
+    let map = dir.path().join("room.bsp");
+    std::fs::copy(support::maps_dir().join("through.bsp"), &map).unwrap();
+    let file = dir.path().join("room.materials.toml");
+    std::fs::write(&file, material("flor", "bounce = false") + &material("clo*", "")).unwrap();
+    let output = run(&map, &["--bounces=0"]);
+    let err = String::from_utf8(output.stderr).unwrap();
+    assert!(err.contains("room.materials.toml: no texture of the map is named so"), "{err}");
+    assert!(err.contains("line 2: texture \"flor\" (did you mean \"floor\"?)"), "{err}");
+    assert!(!err.contains("clo*"), "{err}");
 }
 
 #[test]

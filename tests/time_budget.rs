@@ -8,7 +8,7 @@ use qrad::bsp::Bsp;
 use qrad::light::{InTime, Receivers, direct_from, direct_in_time};
 use qrad::lightmap::FinishedFace;
 use qrad::progress::Progress;
-use qrad::scene::{Sample, Scene, SceneSettings, Sidecar, luxels};
+use qrad::scene::{LuxelGrid, Sample, Scene, SceneSettings, Sidecar, luxels};
 use qrad::settings::Settings;
 use qrad::{MapLight, light_bsp, light_bsp_in_steps};
 use std::sync::Arc;
@@ -103,7 +103,7 @@ fn light_whole() -> MapLight {
 
 /// Whether there is light of any style at each luxel.
 fn lit_luxels(lit: &MapLight) -> Vec<bool> {
-    let luxels = lit.scene.surfaces.iter().map(|s| s.luxels.as_ref().map_or(0, |g| g.len()));
+    let luxels = lit.scene.surfaces.iter().map(|s| s.luxels.as_ref().map_or(0, LuxelGrid::len));
     let faces = lit.faces.iter().zip(luxels);
     let bright = |face: &FinishedFace, i: usize| {
         face.styles.iter().any(|style| style.levels[i].iter().any(|&level| level > 3))

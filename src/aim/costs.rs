@@ -3,7 +3,7 @@
 use super::Rung;
 use crate::patch::MapPatches;
 use crate::radiosity::hemicube::{DeltaFormFactors, HemicubeSize, View};
-use crate::radiosity::transfers::Gatherer;
+use crate::radiosity::transfers::{Gatherer, OVERLAY_ENTRY};
 use crate::scene::{Sample, Scene};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
@@ -35,8 +35,9 @@ pub struct Costs {
     luxels: f64,
     /// By size: patches.
     patches: BTreeMap<u32, f64>,
-    /// By cells: seconds of a hemicube with all threads at work, and form factors in a row.
-    hemicubes: BTreeMap<u32, (f64, f64)>,
+    /// By cells: seconds of a hemicube with all threads at work, form factors in a row, and how many of
+    /// them glass or patterns change.
+    hemicubes: BTreeMap<u32, (f64, [f64; 2])>,
     /// Size of the patches of those rows.
     rows_of: f64,
     /// Bytes in use before.
@@ -83,20 +84,20 @@ impl Costs {
             let delta = DeltaFormFactors::new(size);
             let chosen: Vec<usize> = (0..count).step_by(step).collect();
             let start = Instant::now();
-            let lengths: Vec<usize> = chosen
+            let lengths: Vec<[usize; 2]> = chosen
                 .par_iter()
                 .map_init(
                     || Gatherer::new(scene.bounce_tracer(), &finest.set, &delta, size),
                     |gatherer, &i| {
                         let patch = &finest.set.patches[i];
                         gatherer.look(&View::turned(patch.eye, patch.normal, i as u64));
-                        gatherer.row().len()
+                        [gatherer.row().len(), gatherer.overlay().len()]
                     },
                 )
                 .collect();
             let n = chosen.len().max(1) as f64;
-            let length = lengths.iter().sum::<usize>() as f64 / n;
-            (cells, (start.elapsed().as_secs_f64() / n, length))
+            let mean = |k: usize| lengths.iter().map(|l| l[k]).sum::<usize>() as f64 / n;
+            (cells, (start.elapsed().as_secs_f64() / n, [mean(0), mean(1)]))
         };
         Self {
             luxels: luxels.iter().flatten().filter(|s| !s.occluded).count() as f64,
@@ -119,19 +120,19 @@ impl Costs {
         let count = count * (f64::from(near) / f64::from(size)).powi(2);
         let own = if rung.share > 0.0 { OWN } else { 1.0 };
         // Fewer patches are seen where they are larger.
-        let row = self.of(rung.cells).1 * (self.rows_of / f64::from(size)).powf(1.2);
+        let row = self.of(rung.cells).1[0] * (self.rows_of / f64::from(size)).powf(1.2);
         [count, count * own, count * own * row]
     }
 
-    /// Seconds of a hemicube and length of its row.
-    fn of(&self, cells: u32) -> (f64, f64) {
+    /// Seconds of a hemicube, length of its row, and how much of that glass or patterns change.
+    fn of(&self, cells: u32) -> (f64, [f64; 2]) {
         let (near, of) = self
             .hemicubes
             .iter()
             .min_by_key(|(c, _)| c.abs_diff(cells))
             .expect("some sizes are timed");
         let share = f64::from(cells) / f64::from(*near);
-        (of.0 * share, of.1 * share.powf(0.7))
+        (of.0 * share, of.1.map(|length| length * share.powf(0.7)))
     }
 
     /// Hemicubes at luxels.
@@ -154,8 +155,9 @@ impl Costs {
     /// All of bounced light.
     pub fn predict(&self, rung: &Rung) -> Predicted {
         let [patches, _, factors] = self.counts(rung);
-        let memory =
-            self.base + factors * FACTOR_BYTES + patches * 300.0 + self.luxels * LUXEL_BYTES;
+        let [length, changed] = self.of(rung.cells).1;
+        let factor = FACTOR_BYTES + OVERLAY_ENTRY as f64 * changed / length.max(1.0);
+        let memory = self.base + factors * factor + patches * 300.0 + self.luxels * LUXEL_BYTES;
         Predicted { seconds: self.seconds(rung), memory, error: rung.error }
     }
 }

@@ -1,12 +1,14 @@
 //! What text scenes take at each preset, from samples of their rows.
 
 use super::TextLadder;
-use crate::patch::{PatchId, TextPatches, TextScene};
+use crate::patch::{MAX_REFLECTANCE, PatchId, TextPatches, TextScene};
 use crate::radiosity::hemicube::{DeltaFormFactors, HemicubeSize, View};
 use crate::radiosity::importance::Importance;
 use crate::radiosity::near_pairs::NearPairs;
-use crate::radiosity::solve::{Limits, Sources, solve};
-use crate::radiosity::transfers::{Gatherer, Transfers};
+use crate::radiosity::overlay_pairs::OverlayRows;
+use crate::radiosity::solve::{Limits, Sources, solve_with};
+use crate::radiosity::transfers::{Gatherer, OVERLAY_ENTRY, Transfers};
+use crate::radiosity::trapped;
 use crate::radiosity::visibility::Occluders;
 use crate::settings::Quality;
 use crate::{Result, TEXT_RESIDUAL};
@@ -19,6 +21,7 @@ const SAMPLED: usize = 48;
 const ROUGH: u32 = 32;
 /// Seconds of a pass for each form factor, on one thread.
 const PASS: f64 = 2e-9;
+
 /// What a preset takes on a text scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TextPredicted {
@@ -51,7 +54,9 @@ pub fn estimate_text(
     let transfers = Transfers::compute(tracer, set, rough, |_| {});
     let sources = Sources { emission: &patches.emission, direct: &[] };
     let limits = Limits { passes: Some(scene.passes), residual: TEXT_RESIDUAL };
-    let solution = solve(&transfers, &patches.reflectance(), sources, limits);
+    let (mut reflectance, mut passages) = (patches.reflectance(), set.passages.clone());
+    trapped::let_out(&transfers, &mut reflectance, &mut passages, MAX_REFLECTANCE as f32);
+    let solution = solve_with(&transfers, &reflectance, &passages, sources, limits);
     let chosen: Vec<usize> = (0..count).step_by(count.div_ceil(SAMPLED).max(1)).collect();
     let n = chosen.len().max(1) as f64;
     let delta = DeltaFormFactors::new(size);
@@ -77,27 +82,31 @@ pub fn estimate_text(
     let of = |(quality, error): (Quality, f64)| {
         let importance = Importance::new(set, &patches.emission, &solution.exitance);
         let start = Instant::now();
-        let occluders = Occluders::new(tracer);
+        let occluders = Occluders::with_sheets(tracer, &patches.sheets);
         let near = NearPairs::new(set, occluders, importance, quality.near(), size.cells());
         let begun = start.elapsed().as_secs_f64();
         let start = Instant::now();
-        let lengths: Vec<usize> = chosen
+        let overlay = set.overlay.as_deref().map(|overlay| OverlayRows::new(overlay, &near));
+        let lengths: Vec<[usize; 2]> = chosen
             .par_iter()
             .zip(&rows)
             .map_init(
-                || (near.work(), Gatherer::new(tracer, set, &delta, coarser)),
+                || (near.work(), Gatherer::new(tracer, set, &delta, coarser).without_overlay()),
                 |(work, gatherer), (&i, row)| {
                     let mut row = row.clone();
                     near.improve(i, &mut row, work, gatherer);
-                    row.len()
+                    let pairs = || row.iter().map(|&(j, f)| (j.0, f as f32));
+                    let through = overlay.as_ref().map_or(0, |rows| rows.row(i, pairs()).len());
+                    [row.len(), through]
                 },
             )
             .collect();
+        let mean = |k: usize| lengths.iter().map(|l| l[k]).sum::<usize>() as f64 / n;
         let improving = count as f64 * start.elapsed().as_secs_f64() / n;
-        let longer = lengths.iter().sum::<usize>() as f64 / n / length.max(1.0);
-        let factors = factors * longer;
+        let factors = factors * mean(0) / length.max(1.0);
+        let through = mean(1) * (count * OVERLAY_ENTRY) as f64;
         let passes = f64::from(solution.passes) * factors * PASS / threads;
-        let memory = 6e6 + factors * 8.5 + count as f64 * 1500.0;
+        let memory = 6e6 + factors * 8.5 + through + count as f64 * 1500.0;
         TextPredicted { quality, seconds: plain + begun + improving + passes, memory, error }
     };
     Ok(ladder.errors().into_iter().filter(|e| wanted(e.0)).map(of).collect())

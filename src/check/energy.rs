@@ -1,6 +1,6 @@
 //! Whether light that is sent arrives.
 
-use crate::patch::PatchSet;
+use crate::patch::{PatchId, PatchSet};
 use crate::radiosity::transfers::Transfers;
 use glam::DVec3;
 
@@ -33,13 +33,14 @@ impl Energy {
         // ray of others ends on them.
         let mut seen = vec![(0.0, 0_u32); exitance.len()];
         let mut sees = vec![DVec3::ZERO; exitance.len()];
+        let patterned = patterned(patches);
         for (i, patch) in patches.patches.iter().enumerate() {
             for (j, f) in transfers.entries(i) {
                 let of = &mut seen[j as usize];
                 *of = (of.0 + f64::from(patch.area * f), of.1 + 1);
                 sees[i] += f64::from(f);
             }
-            for &(j, f) in transfers.overlay_row(i) {
+            for &(j, f) in transfers.overlay_row(i).iter().filter(|e| !patterned[e.0 as usize]) {
                 sees[i] += f.as_dvec3();
                 let of = &mut seen[j as usize];
                 *of = (of.0 + f64::from(patch.area * f.element_sum() / 3.0), of.1 + 1);
@@ -71,4 +72,19 @@ impl Energy {
             first_dead: dead.1,
         })
     }
+}
+
+/// Which patches have patterns and are not translucent. What an overlay adds to their form factors tells
+/// from which parts of them light comes, not how much of them is seen.
+fn patterned(patches: &PatchSet) -> Vec<bool> {
+    let mut found = vec![false; patches.patches.len()];
+    if let Some(overlay) = patches.overlay.as_deref().filter(|o| o.has_patterns()) {
+        for (i, found) in found.iter_mut().enumerate() {
+            *found = overlay.varies(PatchId(i as u32));
+        }
+        for (PatchId(layer), _) in overlay.layer_patches() {
+            found[layer as usize] = false;
+        }
+    }
+    found
 }

@@ -1,11 +1,12 @@
 //! The rays from the samples of a surface to a point or spot light.
 
+use super::reach::may_shine_on;
 use super::source::Source;
 use super::sums::Given;
 use super::tiles::{Tile, Tiles};
 use super::wanted::Wanted;
 use super::{Blockers, BoundingSphere, FEW_RAYS, FaceDirt, MANY_RAYS, attenuation, point};
-use crate::scene::exact::{brightness, distance, length};
+use crate::scene::exact::{brightness, length};
 use crate::scene::{Arrival, DirtKeys, LightRays, Reach, Sample, Scene, Surface};
 use glam::Vec3;
 
@@ -26,12 +27,8 @@ pub(super) struct Beam<'a, 's> {
 impl Beam<'_, '_> {
     /// Whether the light can shine on any sample at all.
     pub fn reaches(&self, sphere: &BoundingSphere) -> bool {
-        let (light, surface) = (&self.scene.lights[self.light], self.surface);
-        let behind = distance(light.origin, surface.normal, surface.dist) < 0.0;
-        let hidden = behind && !light.bleed && !surface.two_sided && !surface.curved;
-        !hidden
-            && !sphere.is_out_of_reach(light, self.scene.world.dist, self.scene.world.gate)
-            && light.channel_mask & surface.channel_mask != 0
+        let light = &self.scene.lights[self.light];
+        may_shine_on(&self.scene.world, light, self.surface, sphere)
     }
 
     /// Whether all of a tile is surely in the dark. Only light of channel 1 is held back by the world.

@@ -16,6 +16,7 @@ mod point;
 mod probe;
 mod radiosity;
 mod ray_counts;
+mod reach;
 mod source;
 mod spot;
 mod spread;
@@ -34,6 +35,7 @@ pub use minlight::Probe;
 pub(crate) use minlight::{mottle, wants_probe};
 pub(crate) use probe::{SIDES, place as probe_place, probe, probe_sides};
 pub use ray_counts::RayCounts;
+pub use reach::{Reaches, reaches};
 
 use crate::photometry::Irradiance;
 use crate::scene::effects::COMPILED;

@@ -27,6 +27,6 @@ pub(crate) use indirect::indirect_while;
 pub use indirect::{Gather, GatherSettings, Sources, indirect};
 pub use light_grid::{GridSources, light_grid};
 pub use pack::{Block, Packed, Vanilla, hdr_colour, pack};
-pub use probes::probes;
+pub use probes::{probe_hemicubes, probes};
 pub use refine::refine;
 pub use vanilla::vanilla_copies;

@@ -7,7 +7,7 @@ use crate::photometry::Irradiance;
 use crate::radiosity::bounce::PatchLight;
 use crate::radiosity::hemicube::{DeltaFormFactors, HemicubeSize, View};
 use crate::radiosity::transfers::Gatherer;
-use crate::scene::{Sample, Scene};
+use crate::scene::{Model, Sample, Scene};
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
@@ -23,14 +23,7 @@ pub fn probes(
     light: &[PatchLight],
     size: HemicubeSize,
 ) -> Vec<Option<Probe>> {
-    let mut wanted = vec![false; scene.models.len()];
-    for (surface, samples) in scene.surfaces.iter().zip(samples) {
-        if let Some(model) = surface.model
-            && light::wants_probe(surface, samples)
-        {
-            wanted[model as usize] = true;
-        }
-    }
+    let places = places(scene, samples);
     let settings = FinishSettings {
         range: scene.world.range,
         gamma: scene.world.gamma,
@@ -38,12 +31,10 @@ pub fn probes(
         ..FinishSettings::default()
     };
     let delta = DeltaFormFactors::new(size);
-    (0..wanted.len())
+    places
         .into_par_iter()
-        .map(|model| {
-            let place = wanted[model]
-                .then(|| light::probe_place(scene, scene.models[model].centre))
-                .flatten()?;
+        .map(|place| {
+            let place = place?;
             let mut styles = light::probe(scene, place);
             if !light.is_empty() {
                 let mut gatherer = Gatherer::new(scene.bounce_tracer(), &patches.set, &delta, size);
@@ -56,6 +47,28 @@ pub fn probes(
             Some(levels)
         })
         .collect()
+}
+
+/// Where the probe of each brush model is; `None` for those that need none.
+fn places(scene: &Scene, samples: &[Vec<Sample>]) -> Vec<Option<Vec3>> {
+    let mut wanted = vec![false; scene.models.len()];
+    for (surface, samples) in scene.surfaces.iter().zip(samples) {
+        if let Some(model) = surface.model
+            && light::wants_probe(surface, samples)
+        {
+            wanted[model as usize] = true;
+        }
+    }
+    let place = |(wanted, model): (bool, &Model)| {
+        wanted.then(|| light::probe_place(scene, model.centre)).flatten()
+    };
+    wanted.into_iter().zip(&scene.models).map(place).collect()
+}
+
+/// Hemicubes that [`probes`] draws where light bounces.
+pub fn probe_hemicubes(scene: &Scene, samples: &[Vec<Sample>]) -> u64 {
+    let probes = places(scene, samples).into_iter().flatten().count();
+    (probes * light::SIDES.len()) as u64
 }
 
 /// Adds bounced light: that of the side of a cube around the point which gets most.

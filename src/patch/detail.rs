@@ -75,8 +75,8 @@ impl Intervals {
 }
 
 impl MapPatches {
-    /// How the light that patches reflect varies over them: reflectance times the difference of an
-    /// interval's direct irradiance from the mean of its patch. `luxels` is the direct light of each
+    /// How the light that patches reflect varies over them: reflectance, where it varies that of the
+    /// interval, times the difference of an interval's direct irradiance from the mean of its patch. `luxels` is the direct light of each
     /// surface (empty for none), `mean` that of each patch.
     pub fn detail(&self, luxels: &[&[Irradiance]], mean: &[Irradiance]) -> Detail {
         luxels
@@ -89,12 +89,15 @@ impl MapPatches {
                     return Vec::new();
                 };
                 let count = grid.block_column.len() * grid.block_row.len();
+                let varied = self.varied.get(&surface);
                 let difference = |k: usize| {
                     let (s, t) = (k % grid.block_column.len(), k / grid.block_column.len());
                     // Intervals that are cut have no mean.
                     let patch = grid.at(s as f32, t as f32).0 as usize;
                     let light = self.intervals.mean(surface, k, luxels)?;
-                    Some((light - mean[patch]).0 * self.set.patches[patch].reflectance.0)
+                    let of_patch = self.set.patches[patch].reflectance.0;
+                    let reflectance = varied.map_or(of_patch, |of| of[k]);
+                    Some((light - mean[patch]).0 * reflectance)
                 };
                 (0..count).map(|k| difference(k).unwrap_or_default()).collect()
             })

@@ -136,6 +136,11 @@ impl PatchLookup {
         }
     }
 
+    /// The patches of every polygon of the tracer.
+    pub fn polygons(&self) -> &[PolygonPatches] {
+        &self.polygons
+    }
+
     /// The patches of a polygon of the tracer.
     pub fn polygon(&self, polygon: u32) -> &PolygonPatches {
         &self.polygons[polygon as usize]

@@ -9,12 +9,14 @@ mod opposite;
 mod overlay;
 mod pattern;
 mod polygon2;
+mod spots;
 mod subdivide;
 mod text_check;
 mod text_effects;
 mod text_lines;
 mod text_patches;
 mod text_scene;
+mod work;
 
 pub use detail::{Detail, Intervals};
 pub use lookup::{PatchGrid, PatchLookup, PolygonPatches};
@@ -26,6 +28,7 @@ pub use text_effects::{PatchEffects, Shader};
 pub use text_lines::decode;
 pub use text_patches::TextPatches;
 pub use text_scene::{CameraSpec, Quad, Reading, Repair, TextScene};
+pub use work::Work;
 
 use crate::photometry::Reflectance;
 use glam::{DVec3, Vec3};

@@ -1,7 +1,8 @@
 //! What changes light between two patches channel by channel: translucent polygons on its way, and
 //! patterns on the patch that it comes from.
 
-use super::{PatchId, Pattern};
+use super::{PatchGrid, PatchId, Pattern, PolygonPatches, Work};
+use crate::scene::effects::Cost;
 use crate::scene::{Node, Pane, Polygon, Tracer};
 use glam::DVec3;
 
@@ -10,6 +11,10 @@ pub struct Overlay {
     layers: Tracer,
     sheets: Vec<Sheet>,
     patterns: Vec<Option<Pattern>>,
+    /// What looking through the polygons took so far.
+    pub layer_work: Work,
+    /// What looking at the patterns took so far.
+    pub pattern_work: Work,
 }
 
 /// What one translucent polygon does.
@@ -38,7 +43,26 @@ impl Overlay {
     ) -> Option<Self> {
         assert_eq!(polygons.len(), sheets.len(), "one sheet a polygon");
         let changes = !polygons.is_empty() || patterns.iter().any(Option::is_some);
-        changes.then(|| Self { layers: Tracer::new(polygons), sheets, patterns })
+        changes.then(|| Self {
+            layers: Tracer::new(polygons),
+            sheets,
+            patterns,
+            layer_work: Work::default(),
+            pattern_work: Work::default(),
+        })
+    }
+
+    /// What translucent polygons took so far, and what patterns took: cells and rays that met them, the
+    /// time of hemicubes for that, and their part of so many `bytes` of form factors, shared out by
+    /// cells and rays.
+    pub fn costs(&self, bytes: u64) -> [Cost; 2] {
+        let mut costs = [&self.layer_work, &self.pattern_work].map(Work::cost);
+        let all: u64 = costs.iter().map(|c| c.cells + c.rays).sum();
+        let each = bytes as f64 / all.max(1) as f64;
+        for cost in &mut costs {
+            cost.bytes = ((cost.cells + cost.rays) as f64 * each) as u64;
+        }
+        costs
     }
 
     /// The translucent polygons.
@@ -51,10 +75,42 @@ impl Overlay {
         !self.patterns.is_empty()
     }
 
+    /// Whether patches of a polygon may have patterns: on maps all of a face have or none.
+    pub fn may_vary(&self, patches: &PolygonPatches) -> bool {
+        match patches {
+            PolygonPatches::None => false,
+            PolygonPatches::Whole(patch) => self.varies(*patch),
+            PolygonPatches::Grid(grid) => {
+                let known = |patch: &&PatchId| **patch != PatchGrid::DIVIDED;
+                grid.blocks.iter().find(known).is_none_or(|&patch| self.varies(patch))
+            }
+        }
+    }
+
+    /// Whether a patch has a pattern.
+    pub fn varies(&self, patch: PatchId) -> bool {
+        matches!(self.patterns.get(patch.0 as usize), Some(Some(_)))
+    }
+
     /// Light of `patch` at `point` over its mean, in each channel; `None` where it has no pattern.
     pub fn pattern(&self, patch: PatchId, point: DVec3) -> Option<DVec3> {
         let pattern = self.patterns.get(patch.0 as usize)?.as_ref();
         pattern.map(|pattern| pattern.relative(point))
+    }
+
+    /// The mean of [`pattern`](Self::pattern) over some points.
+    pub fn pattern_over(
+        &self,
+        patch: PatchId,
+        points: impl Iterator<Item = DVec3>,
+    ) -> Option<DVec3> {
+        let pattern = self.patterns.get(patch.0 as usize)?.as_ref()?;
+        let (mut sum, mut count) = (DVec3::ZERO, 0.0);
+        for point in points {
+            sum += pattern.factor(point);
+            count += 1.0;
+        }
+        (count > 0.0).then(|| pattern.over_mean(sum / count))
     }
 
     /// Share of each channel that passes through a polygon at `point`, looked at along `direction`.

@@ -1,17 +1,26 @@
-//! A shader laid out over a polygon.
+//! What varies over a patch: a shader laid out over a polygon, or the reflectance of a map's surface.
 
 use super::Shader;
-use glam::{DVec3, DVec4};
+use crate::photometry::Reflectance;
+use crate::scene::Shading;
+use glam::{DVec3, DVec4, Vec3};
+use std::sync::Arc;
 
 /// How the values of a patch vary over it.
 #[derive(Clone, Debug)]
 pub struct Pattern {
-    /// What it shows.
-    shader: Shader,
-    /// World to the shader's axes: `row.xyz . p + row.w`.
-    axes: [DVec4; 2],
+    shows: Shows,
     /// Mean factor of each channel over the polygon, 0 to 1.
     pub mean: DVec3,
+}
+
+/// What a pattern shows.
+#[derive(Clone, Debug)]
+enum Shows {
+    /// A shader, and from the world to its axes: `row.xyz . p + row.w`.
+    Shader(Box<(Shader, [DVec4; 2])>),
+    /// The reflectance of a surface; where its factor is 1, it is this.
+    Surface(Arc<Shading>, Vec3),
 }
 
 /// Points along each axis at which a pattern is looked up for its mean.
@@ -30,15 +39,28 @@ impl Pattern {
                 });
             (along / (high - low)).extend(-low / (high - low))
         };
-        let mut pattern = Self { shader, axes: [axis(s), axis(normal.cross(s))], mean: DVec3::ONE };
+        let shows = Shows::Shader(Box::new((shader, [axis(s), axis(normal.cross(s))])));
+        let mut pattern = Self { shows, mean: DVec3::ONE };
         pattern.mean = pattern.mean_over(v);
         pattern
     }
 
-    /// Factor of each channel at a point, 0 to 1.
+    /// The reflectance of a surface, which is `base` where the factor of `shading` is 1, over a patch with a
+    /// mean reflectance of `mean`.
+    pub fn of_surface(shading: Arc<Shading>, base: Reflectance, mean: Reflectance) -> Self {
+        Self { shows: Shows::Surface(shading, base.0), mean: mean.0.as_dvec3() }
+    }
+
+    /// Factor of each channel at a point, 0 to 1; for surfaces of maps, their reflectance.
     pub fn factor(&self, p: DVec3) -> DVec3 {
-        let [s, t] = self.axes.map(|row| row.dot(p.extend(1.0)));
-        self.shader.factor(s, t).into()
+        match &self.shows {
+            Shows::Shader(laid_out) => {
+                let (shader, axes) = &**laid_out;
+                let [s, t] = axes.map(|row| row.dot(p.extend(1.0)));
+                shader.factor(s, t).into()
+            }
+            Shows::Surface(shading, base) => shading.reflectance(*base, p.as_vec3()).as_dvec3(),
+        }
     }
 
     /// The same over the mean.

@@ -5,13 +5,16 @@
 //! no second sampling exists. Thin walls and doors that stand within a block divide it: `cuts`.
 
 use super::blocks::{Block, FaceBlocks, LIFT};
+use super::spots::Spots;
 use super::{
-    Intervals, Overlay, Patch, PatchGrid, PatchLookup, PatchSet, PolygonPatches, Sheet, Tint,
+    Intervals, Overlay, Patch, PatchGrid, PatchId, PatchLookup, PatchSet, Pattern, PolygonPatches,
+    Sheet, Tint,
 };
 use crate::photometry::{Exitance, Irradiance, Reflectance};
-use crate::scene::{Emitter, LuxelGrid, Sample, Scene, Surface, luxels};
-use glam::{Vec2, Vec3};
+use crate::scene::{Emitter, Sample, Scene, Surface, luxels};
+use glam::Vec3;
 use rayon::prelude::*;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 /// Patches of a map.
@@ -34,6 +37,8 @@ pub struct MapPatches {
     pub glow: Vec<Vec3>,
     /// How many have a reflectance of their own, as that of their surface varies.
     pub patterned: usize,
+    /// Mean reflectance of each luxel interval of the surfaces on which it varies.
+    pub(super) varied: BTreeMap<usize, Vec<Vec3>>,
 }
 
 /// Light that the patches of a map give off by themselves, in one style.
@@ -88,8 +93,25 @@ impl MapPatches {
         let sheet = |pane| Sheet { tint: Tint::Pane(pane), sides: [None; 2] };
         let sheets = panes.into_iter().map(sheet).collect();
         patches.set.passages = patches.passages(scene);
-        patches.set.overlay = Overlay::new(polygons, sheets, Vec::new()).map(Arc::new);
+        let patterns = patches.patterns(scene);
+        patches.set.overlay = Overlay::new(polygons, sheets, patterns).map(Arc::new);
         patches
+    }
+
+    /// How patches reflect whose surfaces do so unevenly; empty if none does. Those that give off light of
+    /// another kind too are taken as even: that light has no such pattern.
+    fn patterns(&self, scene: &Scene) -> Vec<Option<Pattern>> {
+        if self.patterned == 0 {
+            return Vec::new();
+        }
+        let shining: BTreeSet<u32> = scene.emitters.iter().map(|e| e.surface).collect();
+        let of = |(patch, &index): (&Patch, &u32)| {
+            let surface = &scene.surfaces[index as usize];
+            let alone = surface.diffuse.is_none() && !shining.contains(&index);
+            let shading = scene.uneven(index as usize).filter(|_| alone && surface.reflects)?;
+            Some(Pattern::of_surface(shading.clone(), surface.reflectance, patch.reflectance))
+        };
+        self.set.patches.iter().zip(&self.surface).map(of).collect()
     }
 
     /// Appends the patches of a face and completes its grid with their numbers.
@@ -107,12 +129,21 @@ impl MapPatches {
         let first_interval = self.intervals.add(luxels.width, face.intervals().iter().copied());
         let (mut grid, blocks) = face.into_patches(self.surface.len() as u32);
         grid.first_interval = first_interval;
+        let spots = scene.varies(index).then(|| Spots::of(surface, luxels));
+        let mut of_patches = BTreeMap::new();
+        if let Some(spots) = &spots {
+            of_patches = spots.of_patches(luxels, &grid);
+            let of = |points| scene.mean_reflectance(index, points);
+            let varied: Option<Vec<Vec3>> = spots.of_intervals(luxels).map(of).collect();
+            self.varied.extend(varied.map(|varied| (index, varied)));
+        }
         for block in blocks {
             let centroid = (block.moment / block.area).as_vec2();
             let eye = luxels.world_of(centroid) + surface.normal * LIFT;
-            let here = super::PatchId(self.set.patches.len() as u32);
-            let points = || points_of(luxels, &block).filter(|&at| grid.at(at.x, at.y) == here);
-            let points = || points().map(|at| luxels.world_of(at));
+            let here = PatchId(self.set.patches.len() as u32);
+            let points = of_patches.remove(&here).unwrap_or_default();
+            // Slivers may have none.
+            let points = || points.iter().copied().chain(points.is_empty().then_some(eye));
             let varied = scene.mean_reflectance(index, points());
             self.patterned += usize::from(varied.is_some());
             if let Some(glow) = scene.mean_glow(index, points()) {
@@ -172,17 +203,6 @@ impl MapPatches {
             })
             .collect()
     }
-}
-
-/// Luxel coordinates spread evenly around the luxels of a block.
-fn points_of<'a>(luxels: &'a LuxelGrid, block: &'a Block) -> impl Iterator<Item = Vec2> + 'a {
-    const ACROSS: u32 = 8;
-    block.luxels.iter().flat_map(move |&(luxel, _)| {
-        (0..ACROSS * ACROSS).map(move |k| {
-            let [x, y] = [k % ACROSS, k / ACROSS].map(|k| (k as f32 + 0.5) / ACROSS as f32 - 0.5);
-            Vec2::new(x + (luxel % luxels.width) as f32, y + (luxel / luxels.width) as f32)
-        })
-    })
 }
 
 /// `eye`, or if that is inside solid or in a divided block the position of the patch's nearest luxel that

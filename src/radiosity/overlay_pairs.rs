@@ -15,44 +15,61 @@ use rayon::prelude::*;
 /// with.
 pub fn improve(transfers: &mut Transfers, patches: &PatchSet, near: &NearPairs<'_>) {
     let Some(overlay) = patches.overlay.as_deref() else { return };
-    let layers: Vec<(PatchId, Option<DVec3>)> = overlay.layer_patches().collect();
-    let rows: Vec<Vec<(u32, Vec3)>> = (0..transfers.rows())
-        .into_par_iter()
-        .map_init(Facing::default, |facing, i| {
-            if !near.matters(i) {
-                return Vec::new();
+    let rows = OverlayRows::new(overlay, near);
+    let all = (0..transfers.rows()).into_par_iter();
+    let found = all.map(|i| rows.row(i, transfers.entries(i))).collect();
+    transfers.set_overlay_rows(found);
+}
+
+/// What an overlay adds to rows that are improved already.
+pub struct OverlayRows<'a> {
+    overlay: &'a Overlay,
+    layers: Vec<(PatchId, Option<DVec3>)>,
+    near: &'a NearPairs<'a>,
+}
+
+impl<'a> OverlayRows<'a> {
+    /// For rows improved with `near`.
+    pub fn new(overlay: &'a Overlay, near: &'a NearPairs<'a>) -> Self {
+        Self { overlay, layers: overlay.layer_patches().collect(), near }
+    }
+
+    /// What is added to row `i`, which has these columns and form factors, by ascending column and per
+    /// channel.
+    pub fn row(&self, i: usize, entries: impl Iterator<Item = (u32, f32)>) -> Vec<(u32, Vec3)> {
+        let Self { overlay, layers, near } = self;
+        if !near.matters(i) {
+            return Vec::new();
+        }
+        let (mut row, mut lost, mut sum) = (Vec::new(), Vec::new(), 0.0);
+        for (j, factor) in entries {
+            let factor = f64::from(factor);
+            sum += factor;
+            let Shares { tint, patterned } = near.through(overlay, (i, j as usize), factor);
+            if tint != DVec3::ONE {
+                lost.push((j, (tint - DVec3::ONE) * factor));
             }
-            let (columns, weights) = transfers.row(i);
-            let (mut row, mut lost) = (Vec::new(), Vec::new());
-            for (&j, &factor) in columns.iter().zip(&weights) {
-                let factor = f64::from(factor);
-                let Shares { tint, patterned } = near.through(overlay, (i, j as usize), factor);
-                if tint != DVec3::ONE {
-                    lost.push((j, (tint - DVec3::ONE) * factor));
-                }
-                if patterned != tint {
-                    row.push((j, ((patterned - tint) * factor).as_vec3()));
-                }
+            if patterned != tint {
+                row.push((j, ((patterned - tint) * factor).as_vec3()));
             }
-            // What the layers keep of the view; none if one is uneven.
-            let mut kept = Some(DVec3::ZERO);
-            for &(PatchId(j), share) in layers.iter().filter(|l| l.0.0 as usize != i) {
-                let Some(factor) = near.layer_factor((i, j as usize), facing) else { continue };
-                let Shares { tint, patterned } = near.through(overlay, (i, j as usize), factor);
-                row.push((j, (patterned * factor).as_vec3()));
-                let keeps = |share: DVec3| tint * factor * (DVec3::ONE - share);
-                kept = kept.zip(share).map(|(sum, share)| sum + keeps(share));
-            }
-            let sum: f64 = weights.iter().map(|&f| f64::from(f)).sum();
-            if let Some(kept) = kept.filter(|_| sum > 1.0 - CLOSED) {
-                balance(&mut lost, kept);
-            }
-            row.extend(lost.into_iter().map(|(j, f)| (j, f.as_vec3())));
-            row.sort_unstable_by_key(|&(j, _)| j);
-            row
-        })
-        .collect();
-    transfers.set_overlay_rows(rows);
+        }
+        // What the layers keep of the view; none if one is uneven.
+        let mut kept = Some(DVec3::ZERO);
+        let mut facing = Facing::default();
+        for &(PatchId(j), share) in layers.iter().filter(|l| l.0.0 as usize != i) {
+            let Some(factor) = near.layer_factor((i, j as usize), &mut facing) else { continue };
+            let Shares { tint, patterned } = near.through(overlay, (i, j as usize), factor);
+            row.push((j, (patterned * factor).as_vec3()));
+            let keeps = |share: DVec3| tint * factor * (DVec3::ONE - share);
+            kept = kept.zip(share).map(|(sum, share)| sum + keeps(share));
+        }
+        if let Some(kept) = kept.filter(|_| sum > 1.0 - CLOSED) {
+            balance(&mut lost, kept);
+        }
+        row.extend(lost.into_iter().map(|(j, f)| (j, f.as_vec3())));
+        row.sort_unstable_by_key(|&(j, _)| j);
+        row
+    }
 }
 
 /// Rows that miss less than this of 1 see patches all around.
@@ -95,6 +112,8 @@ pub(super) fn mean_share(
     if !patterned && !any_between(overlay.layers(), &shaft, 0.0) {
         return ALL;
     }
+    let work = if patterned { &overlay.pattern_work } else { &overlay.layer_work };
+    work.add_rays(rays.into());
     let (on_a, on_b) = (Spread::new(a.parts()), Spread::new(b.parts()));
     let (mut all, mut tint, mut with_pattern) = (0.0, DVec3::ZERO, DVec3::ZERO);
     for k in 0..rays {

@@ -4,7 +4,8 @@
 use super::hemicube::{Cells, DeltaFormFactors, HemicubeSize, ItemBuffer, SIDES, SideId, View};
 use crate::patch::{Overlay, PatchId, PatchSet, PolygonPatches, in_cone};
 use crate::scene::Tracer;
-use glam::{DVec3, Vec3};
+use glam::{DVec2, DVec3, Vec3};
+use std::time::Instant;
 
 /// A translucent polygon in a cell.
 #[derive(Clone, Copy)]
@@ -23,6 +24,8 @@ pub(super) struct OverlayView<'a> {
     sums: Vec<DVec3>,
     touched: Vec<bool>,
     row: Vec<(PatchId, DVec3)>,
+    /// Whether patches of a polygon have patterns; empty if none has.
+    varied: Vec<bool>,
 }
 
 /// What a hemicube showed.
@@ -38,12 +41,17 @@ impl<'a> OverlayView<'a> {
     /// `None` where the patches have no overlay.
     pub fn new(patches: &'a PatchSet) -> Option<Self> {
         let count = patches.patches.len();
+        let varied = |overlay: &Overlay| {
+            let all = patches.lookup.polygons().iter().filter(|_| overlay.has_patterns());
+            all.map(|polygon| overlay.may_vary(polygon)).collect()
+        };
         patches.overlay.as_deref().map(|overlay| Self {
             overlay,
             fragments: Vec::new(),
             sums: vec![DVec3::ZERO; count],
             touched: vec![false; count],
             row: Vec::new(),
+            varied: varied(overlay),
         })
     }
 
@@ -57,8 +65,11 @@ impl<'a> OverlayView<'a> {
     pub fn look(&mut self, shown: Shown<'_>, view: &View) {
         self.row.clear();
         if self.overlay.has_patterns() {
-            self.add_patterns(shown, view);
+            let start = Instant::now();
+            let cells = self.add_patterns(shown, view);
+            self.overlay.pattern_work.add_cells(cells, start.elapsed());
         }
+        let start = Instant::now();
         let size = shown.buffer.size();
         for (number, side) in SIDES.into_iter().enumerate() {
             draw(self.overlay.layers(), view, (number as u32, side), size, &mut self.fragments);
@@ -71,6 +82,10 @@ impl<'a> OverlayView<'a> {
         let fragments = std::mem::take(&mut self.fragments);
         for cell in fragments.chunk_by(|a, b| a.cell == b.cell) {
             self.add_layers(shown, view, cell);
+        }
+        let cells = fragments.len() as u64;
+        if !self.overlay.layers().nodes().is_empty() {
+            self.overlay.layer_work.add_cells(cells, start.elapsed());
         }
         self.fragments = fragments;
         self.fragments.clear();
@@ -89,24 +104,27 @@ impl<'a> OverlayView<'a> {
         self.sums[i] += f;
     }
 
-    /// Cells that show patches with patterns.
-    fn add_patterns(&mut self, shown: Shown<'_>, view: &View) {
-        let size = shown.buffer.size();
+    /// Cells that show patches with patterns. Returns how many.
+    fn add_patterns(&mut self, shown: Shown<'_>, view: &View) -> u64 {
+        let (size, mut found) = (shown.buffer.size(), 0);
         shown.buffer.for_each_row(|cells| {
             for (k, (&item, &nearness)) in cells.items.iter().zip(cells.nearness).enumerate() {
-                if item == Cells::NOTHING {
+                if item == Cells::NOTHING || !self.varied[item as usize] {
                     continue;
                 }
                 let x = cells.x + k as u32;
                 let point = eye_point(view, size, (cells.side, x, cells.y), nearness);
                 let Some(patch) = patch_at(shown, view, item, point) else { continue };
-                if let Some(share) = self.overlay.pattern(patch, point) {
+                let points = points_of_cell(shown, view, (cells.side, x, cells.y), item);
+                if let Some(share) = self.overlay.pattern_over(patch, points) {
                     let at = (cells.y * size.width() + x) as usize;
                     let f = f64::from(shown.delta.of(cells.side)[at]);
                     self.add(patch, (share - DVec3::ONE) * f);
+                    found += 1;
                 }
             }
         });
+        found
     }
 
     /// The polygons in one cell, in order of depth, and what is behind them.
@@ -147,6 +165,32 @@ fn eye_point(
     let [a, b, c] = view.axes(side).map(Vec3::as_dvec3);
     let at = size.cell_centre(side, x, y).as_dvec2();
     view.position.as_dvec3() + (c + a * at.x + b * at.y) / f64::from(nearness)
+}
+
+/// Points along each axis of a cell at which patterns are looked at: one would alias.
+const ACROSS: u32 = 2;
+
+/// World points where rays spread evenly over a cell meet the plane of a polygon.
+fn points_of_cell(
+    shown: Shown<'_>,
+    view: &View,
+    (side, x, y): (SideId, u32, u32),
+    item: u32,
+) -> impl Iterator<Item = DVec3> {
+    let size = shown.buffer.size();
+    let [a, b, c] = view.axes(side).map(Vec3::as_dvec3);
+    let polygon = &shown.tracer.polygons()[item as usize];
+    let (eye, normal) = (view.position.as_dvec3(), polygon.normal.as_dvec3());
+    let above = normal.dot(polygon.vertices[0].as_dvec3() - eye);
+    let middle = size.cell_centre(side, x, y).as_dvec2();
+    let width = 2.0 / f64::from(size.width());
+    let off = move |k: u32| ((f64::from(k) + 0.5) / f64::from(ACROSS) - 0.5) * width;
+    (0..ACROSS * ACROSS).filter_map(move |k| {
+        let at = middle + DVec2::new(off(k % ACROSS), off(k / ACROSS));
+        let way = c + a * at.x + b * at.y;
+        let far = above / normal.dot(way);
+        (far > 0.0 && far.is_finite()).then(|| eye + way * far)
+    })
 }
 
 /// The patch whose front is seen at a point of a polygon.

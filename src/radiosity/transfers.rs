@@ -12,13 +12,18 @@ pub use gatherer::{Distances, Gatherer, Interval};
 use self::rows::Chunk;
 use super::hemicube::{DeltaFormFactors, HemicubeSize, View};
 use super::near_pairs::NearPairs;
-use crate::patch::{PatchId, PatchSet};
+use crate::patch::{Overlay, PatchId, PatchSet};
+use crate::scene::effects::Cost;
 use crate::scene::{ShadowRays, Tracer};
 use glam::Vec3;
 use rayon::prelude::*;
+use std::sync::Arc;
 
 /// Rows computed, and stored, as one piece.
 const CHUNK: usize = 32;
+
+/// Bytes of what an overlay adds to one form factor.
+pub(crate) const OVERLAY_ENTRY: usize = size_of::<(u32, Vec3)>();
 
 /// Form factors `F_ij`: the share of the hemisphere above patch i (cosine-weighted) in which patch j
 /// is seen from its front. Rows sum to 1 in a closed room.
@@ -32,6 +37,8 @@ pub struct Transfers {
     /// The patch at whose eye that row was drawn.
     drawn_at: Vec<u32>,
     drawn: u64,
+    /// What changes light on its way; `None` where nothing does.
+    overlay: Option<Arc<Overlay>>,
 }
 
 impl Transfers {
@@ -127,6 +134,7 @@ impl Transfers {
             self.drawn_at[i as usize] = i;
         }
         self.drawn += members.len() as u64;
+        self.overlay.clone_from(&patches.overlay);
         let delta = DeltaFormFactors::new(size);
         let drawn: Option<Vec<Chunk>> = members
             .par_chunks(CHUNK)
@@ -221,6 +229,13 @@ impl Transfers {
     pub fn overlay_row(&self, row: usize) -> &[(u32, Vec3)] {
         let at = self.row_of[row] as usize;
         self.chunks[at / CHUNK].overlay.get(at % CHUNK).map_or(&[], |row| row)
+    }
+
+    /// What looking through translucent polygons, and at patterns, took so far.
+    pub fn overlay_costs(&self) -> [Cost; 2] {
+        let rows = self.chunks.iter().flat_map(|c| &c.overlay);
+        let bytes = rows.map(|row| (row.len() * OVERLAY_ENTRY) as u64).sum();
+        self.overlay.as_ref().map_or_else(Default::default, |overlay| overlay.costs(bytes))
     }
 
     /// Replaces what an overlay adds to each row, where all rows were drawn.

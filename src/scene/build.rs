@@ -28,6 +28,7 @@ use super::suns;
 use super::surface::{Role, Surface};
 use super::surface_lights::{self, Faces};
 use super::tracer::Tracer;
+use super::unknown_names::TextureNames;
 use super::visibility::Visibility;
 use super::world::{WorldSettings, style_range};
 use crate::Result;
@@ -90,10 +91,12 @@ impl Scene {
         }
         let nothing = MaterialFile::default();
         let file = sidecar.materials.unwrap_or(&nothing);
+        let textures = TextureNames::of(bsp.textures.iter().flatten().map(|t| &*t.name));
+        file.warn(&textures, &mut warnings);
         let listed: Vec<Entity> = sidecar
             .rad
             .iter()
-            .flat_map(|(name, text)| rad::entities(name, text, &mut warnings))
+            .flat_map(|(name, text)| rad::entities(name, text, &textures, &mut warnings))
             .collect();
         let shines = |e: &Entity| file.of(e.get("_surface").unwrap_or("")).emission.is_some();
         // What a material file says of a texture replaces lines for it.

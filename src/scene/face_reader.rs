@@ -44,7 +44,7 @@ pub(super) struct FaceReader<'a> {
     pub groups: Vec<i32>,
     pub wishes: Vec<Wish>,
     pub emissive: Vec<SurflightKeys>,
-    pub shadings: Vec<Option<Shading>>,
+    pub shadings: Vec<Option<Arc<Shading>>>,
     pub samples_a_luxel: u64,
     sample_count: u64,
     degenerate: Problem,
@@ -199,7 +199,7 @@ impl<'a> FaceReader<'a> {
             self.shadings.push(texinfo.and_then(|texinfo| {
                 let find = || Texels::find(bsp, texture?, self.textures).map(Arc::new);
                 let mean = self.materials.colour(texture);
-                Shading::of(&material, find, ([texinfo.s, texinfo.t], offset, mean))
+                Shading::of(&material, find, ([texinfo.s, texinfo.t], offset, mean)).map(Arc::new)
             }));
         }
         self.wishes.push(wish);

@@ -53,6 +53,7 @@ mod texels;
 mod tie;
 mod tracer;
 mod umbra;
+mod unknown_names;
 mod visibility;
 mod wander;
 mod wide_tree;
@@ -76,6 +77,7 @@ pub use pane::Pane;
 pub use pieces::{Piece, Pieces};
 pub use projection::Projection;
 pub use radiosity_lights::{EmissiveQuality, RadiosityLight, SurflightSettings};
+pub use shading::Shading;
 pub use shadow::ShadowRays;
 pub(crate) use shaft::Floor;
 pub use sidecar::Sidecar;
@@ -88,6 +90,8 @@ pub use tracer::{Hit, Node, Polygon, Tracer};
 pub(crate) use umbra::{Bounds, Umbra};
 pub use visibility::{Reach, Visibility};
 pub use world::{WorldSettings, style_range};
+
+use std::sync::Arc;
 
 /// A map made ready for light. Nothing in it changes while the map is lit, so faces can be lit in
 /// parallel from one shared scene.
@@ -129,7 +133,7 @@ pub struct Scene {
     /// Lower-case texture names of the surfaces; empty where there is none.
     pub(crate) names: Vec<String>,
     /// By surface; empty if none varies.
-    shadings: Vec<Option<shading::Shading>>,
+    shadings: Vec<Option<Arc<Shading>>>,
     obstacles: Option<obstacles::Obstacles>,
     shapes: Vec<shape::Shape>,
     neighbours: neighbours::Neighbours,
@@ -141,5 +145,11 @@ impl Scene {
     /// Smoothed unit normals at the corners of a surface; empty where it is flat.
     pub fn corner_normals(&self, surface: usize) -> &[glam::Vec3] {
         self.smoothing.corner_normals(surface)
+    }
+
+    /// Bytes of smoothed normals.
+    pub fn smoothed_bytes(&self) -> u64 {
+        let all = (0..self.surfaces.len()).map(|s| size_of_val(self.corner_normals(s)) as u64);
+        all.sum()
     }
 }

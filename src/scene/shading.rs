@@ -2,6 +2,7 @@
 
 use super::Scene;
 use super::effects::COMPILED;
+use super::exact::brightness;
 use super::material_file::{Emitting, Material, MaterialEmission, Modifier};
 use super::materials::LIMIT;
 use super::texels::Texels;
@@ -11,7 +12,7 @@ use std::sync::Arc;
 
 /// How a surface varies.
 #[derive(Clone, Debug)]
-pub(crate) struct Shading {
+pub struct Shading {
     modifier: Option<Modifier>,
     emission: Option<MaterialEmission>,
     /// Pixels, the coefficients of the texture's axes, and the offset of the brush model.
@@ -20,11 +21,13 @@ pub(crate) struct Shading {
     offset: Vec3,
     /// Mean colour of the texture, 0 to 1.
     mean: Vec3,
+    /// Colours are left out: switched off.
+    grey: bool,
 }
 
 impl Shading {
     /// The parts of a material that vary; `None` if there are none.
-    pub fn of(
+    pub(super) fn of(
         material: &Material,
         texels: impl FnOnce() -> Option<Arc<Texels>>,
         (axes, offset, mean): ([Vec4; 2], Vec3, Vec3),
@@ -38,12 +41,18 @@ impl Shading {
             axes,
             offset,
             mean,
+            grey: false,
         })
     }
 
     /// The reflectance is the same all over.
-    pub fn make_even(&mut self) {
+    pub(super) fn make_even(&mut self) {
         self.modifier = None;
+    }
+
+    /// All channels vary alike.
+    pub(super) fn make_grey(&mut self) {
+        self.grey = true;
     }
 
     /// Whether the reflectance varies.
@@ -53,6 +62,9 @@ impl Shading {
 
     /// Whether it may bring colour to surfaces without.
     pub fn is_coloured(&self) -> bool {
+        if self.grey {
+            return false;
+        }
         let is_grey = |c: Vec3| c == Vec3::splat(c.x);
         let texels = |e: &MaterialEmission| e.parts != Emitting::Face;
         self.emission.as_ref().is_some_and(texels)
@@ -71,6 +83,16 @@ impl Shading {
         self.axes.map(|axis| axis.dot(p))
     }
 
+    /// The colour, or its brightness where all channels vary alike.
+    fn seen(&self, colour: Vec3) -> Vec3 {
+        if self.grey { Vec3::splat(brightness(colour)) } else { colour }
+    }
+
+    /// Reflectance at a world point of a surface whose reflectance is `base` where the factor is 1.
+    pub fn reflectance(&self, base: Vec3, point: Vec3) -> Vec3 {
+        (base * self.seen(self.factor(point))).min(Vec3::splat(LIMIT))
+    }
+
     /// Factor on the reflectance at a world point.
     fn factor(&self, point: Vec3) -> Vec3 {
         let [s, t] = self.texture_at(point);
@@ -81,7 +103,8 @@ impl Shading {
                 texel.map_or(Vec3::ONE, |c| c / 255.0 / self.mean.max(Vec3::splat(1e-3)))
             }
             Some(Modifier::Checker(size, colour)) => {
-                let odd = ((s / size).floor() + (t / size).floor()).rem_euclid(2.0) >= 1.0;
+                let [s, t] = [s, t].map(|x| (x / size).floor() as i64);
+                let odd = s.wrapping_add(t) & 1 == 1;
                 if odd { colour } else { Vec3::ONE }
             }
             Some(Modifier::Gradient([from, to], colour)) => {
@@ -100,13 +123,23 @@ impl Shading {
             emission.parts == Emitting::Texture || FULLBRIGHTS.contains(&texels.index_at(s, t));
         let colour = texels.colour_at(s, t).filter(|_| shines);
         let own = emission.colour.unwrap_or(Vec3::ONE);
-        colour.map_or(Vec3::ZERO, |c| c / 255.0 * own)
+        colour.map_or(Vec3::ZERO, |c| self.seen(c / 255.0 * own))
     }
 }
 
 impl Scene {
-    fn shading(&self, surface: usize) -> Option<&Shading> {
+    fn shading(&self, surface: usize) -> Option<&Arc<Shading>> {
         self.shadings.get(surface)?.as_ref().filter(|_| COMPILED)
+    }
+
+    /// Whether a surface reflects or emits unevenly.
+    pub fn varies(&self, surface: usize) -> bool {
+        self.shading(surface).is_some()
+    }
+
+    /// How the reflectance of a surface varies; `None` where it is the same all over.
+    pub fn uneven(&self, surface: usize) -> Option<&Arc<Shading>> {
+        self.shading(surface).filter(|s| s.is_uneven())
     }
 
     /// Reflectance of a surface at each of some world points, the mean; `None` where it is the same all
@@ -116,10 +149,9 @@ impl Scene {
         surface: usize,
         points: impl Iterator<Item = Vec3>,
     ) -> Option<Vec3> {
-        let shading = self.shading(surface).filter(|s| s.modifier.is_some())?;
+        let shading = self.uneven(surface)?;
         let base = self.surfaces[surface].reflectance.0;
-        let at = |p: Vec3| (base * shading.factor(p)).min(Vec3::splat(LIMIT));
-        Some(mean(points, at))
+        Some(mean(points, |p| shading.reflectance(base, p)))
     }
 
     /// Share and colour of what a surface emits, the mean over some world points; `None` where it is the
@@ -127,11 +159,6 @@ impl Scene {
     pub fn mean_glow(&self, surface: usize, points: impl Iterator<Item = Vec3>) -> Option<Vec3> {
         let shading = self.shading(surface).filter(|s| s.emission.is_some())?;
         Some(mean(points, |p| shading.glow(p)))
-    }
-
-    /// Whether any surface varies.
-    pub fn has_shadings(&self) -> bool {
-        !self.shadings.is_empty()
     }
 }
 

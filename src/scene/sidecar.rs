@@ -104,7 +104,6 @@ impl Default for TexInfoKeys {
     }
 }
 
-/// Members that ask for an effect which is not simulated yet.
 /// Keys per texinfo, `count` of them. An unusable text counts as absent and gives a warning, as in
 /// the reference.
 pub(crate) fn texinfo_keys(

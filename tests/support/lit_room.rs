@@ -13,6 +13,19 @@ pub fn entity(class: &str, keys: &[(&str, &str)]) -> String {
     format!("{{\n\"classname\" \"{class}\"\n{keys}}}\n")
 }
 
+/// Index of the surface that faces `normal` at `point`.
+pub fn surface_at(scene: &Scene, point: Vec3, normal: Vec3) -> usize {
+    scene
+        .surfaces
+        .iter()
+        .position(|s| {
+            let min = s.vertices.iter().copied().reduce(Vec3::min).unwrap();
+            let max = s.vertices.iter().copied().reduce(Vec3::max).unwrap();
+            s.normal == normal && point.cmpge(min).all() && point.cmple(max).all()
+        })
+        .expect("a surface at the point")
+}
+
 /// A map made ready for light.
 pub struct LitRoom {
     pub scene: Scene,
@@ -51,14 +64,7 @@ impl LitRoom {
     pub fn at(&self, style: u16, point: [f32; 3], normal: Vec3) -> Vec3 {
         let point = Vec3::from(point);
         let surfaces = &self.scene.surfaces;
-        let surface = surfaces
-            .iter()
-            .position(|s| {
-                let min = s.vertices.iter().copied().reduce(Vec3::min).unwrap();
-                let max = s.vertices.iter().copied().reduce(Vec3::max).unwrap();
-                s.normal == normal && point.cmpge(min).all() && point.cmple(max).all()
-            })
-            .expect("a surface at the point");
+        let surface = surface_at(&self.scene, point, normal);
         let samples = luxels::place(&self.scene, surface, 1);
         let grid = surfaces[surface].luxels.as_ref().unwrap();
         let l = grid.luxel_of(point).round();

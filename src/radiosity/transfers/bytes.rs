@@ -87,7 +87,7 @@ fn read(bytes: &mut &[u8]) -> io::Result<Transfers> {
             overlay: Vec::new(),
         });
     }
-    Ok(Transfers { chunks, row_of, drawn_at, drawn: 0 })
+    Ok(Transfers { chunks, row_of, drawn_at, ..Transfers::default() })
 }
 
 fn get<T: Clone + Default>(bytes: &mut &[u8], read: fn(&[u8], &mut [T])) -> io::Result<Vec<T>> {
@@ -114,7 +114,7 @@ mod tests {
         chunk.push(&[], distances(f32::INFINITY, f32::INFINITY));
         chunk.push(&[(PatchId(0), 1.0)], distances(2.0, 1.5));
         let (row_of, drawn_at) = (vec![0, 1, 2, 2], vec![0, 1, 2, 2]);
-        Transfers { chunks: vec![chunk], row_of, drawn_at, drawn: 3 }
+        Transfers { chunks: vec![chunk], row_of, drawn_at, drawn: 3, overlay: None }
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! How much memory transfers will take, from a few of their rows.
 
-use super::{Gatherer, Transfers};
+use super::{Gatherer, OVERLAY_ENTRY, Transfers};
 use crate::patch::PatchSet;
 use crate::radiosity::hemicube::{DeltaFormFactors, HemicubeSize, View};
 use crate::scene::Tracer;
@@ -26,12 +26,13 @@ impl Transfers {
         let delta = DeltaFormFactors::new(size);
         let mut gatherer = Gatherer::new(tracer, patches, &delta, size);
         let followers = Followers::of(leaders);
-        let (mut drawn, mut entries, mut led, mut alone) = (0.0, 0.0, 0.0, 0.0);
+        let (mut drawn, mut bytes, mut led, mut alone) = (0.0, 0.0, 0.0, 0.0);
         for &leader in all.iter().step_by(all.len().div_ceil(ROWS).max(1)) {
             let patch = &patches.patches[leader as usize];
             gatherer.look(&View::turned(patch.eye, patch.normal, leader.into()));
             drawn += 1.0;
-            entries += gatherer.row().len() as f64;
+            bytes += ENTRY * gatherer.row().len() as f64;
+            bytes += (OVERLAY_ENTRY * gatherer.overlay().len()) as f64;
             let reach = share * gatherer.distances().openness;
             for &i in followers.of_leader(leader) {
                 led += 1.0;
@@ -41,7 +42,7 @@ impl Transfers {
         }
         let rest = (leaders.len() - all.len()) as f64;
         let rows = all.len() as f64 + rest * alone / f64::max(led, 1.0);
-        let row = ENTRY * entries / f64::max(drawn, 1.0) + ROW;
+        let row = bytes / f64::max(drawn, 1.0) + ROW;
         (rows * row) as u64 + 8 * leaders.len() as u64
     }
 }

@@ -3,11 +3,11 @@
 use super::{Effect, Switches};
 use crate::photometry::{Exitance, Reflectance};
 use crate::scene::exact::brightness;
-use crate::scene::shading::Shading;
 use crate::scene::{
-    AutoMinlight, Emitter, Light, Model, RadiosityLight, Role, Sun, Surface, WorldSettings,
+    AutoMinlight, Emitter, Light, Model, RadiosityLight, Role, Shading, Sun, Surface, WorldSettings,
 };
 use glam::Vec3;
+use std::sync::Arc;
 
 /// The parts of a scene that effects are made of, before anything is built on them.
 pub(crate) struct Parts<'a> {
@@ -19,7 +19,7 @@ pub(crate) struct Parts<'a> {
     pub suns: &'a mut Vec<Sun>,
     pub emitters: &'a mut Vec<Emitter>,
     pub world: &'a mut WorldSettings,
-    pub shadings: &'a mut Vec<Option<Shading>>,
+    pub shadings: &'a mut Vec<Option<Arc<Shading>>>,
 }
 
 /// Takes out what is switched off, and suns that no sky lets through.
@@ -75,7 +75,7 @@ pub(crate) fn apply(switches: &Switches, parts: &mut Parts<'_>) {
         parts.surfaces.iter_mut().for_each(|s| s.diffuse = None);
     }
     if off(Effect::Shaders) {
-        parts.shadings.iter_mut().flatten().for_each(Shading::make_even);
+        parts.shadings.iter_mut().flatten().for_each(|s| Arc::make_mut(s).make_even());
     }
     if off(Effect::Colour) {
         parts.remove_colour();
@@ -122,6 +122,7 @@ impl Parts<'_> {
             grey(colour);
         }
         grey(&mut self.world.minlight_colour);
+        self.shadings.iter_mut().flatten().for_each(|s| Arc::make_mut(s).make_grey());
         for surface in self.surfaces.iter_mut() {
             let Reflectance(colour) = &mut surface.reflectance;
             grey(colour);

@@ -6,6 +6,7 @@ mod survey;
 mod switches;
 
 pub(crate) use apply::{Parts, apply};
+pub(crate) use survey::check_switches;
 pub use survey::plan;
 pub use switches::Switches;
 

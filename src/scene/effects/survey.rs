@@ -2,9 +2,10 @@
 
 use super::apply::kind_of_filter;
 use super::{Effect, Entry, Plan};
+use crate::Result;
+use crate::light::{Reaches, reaches};
 use crate::lightmap::Gather;
 use crate::outputs::LitFile;
-use crate::scene::shading::Shading;
 use crate::scene::{AutoMinlight, Role, Scene, Surface};
 use crate::settings::Settings;
 use clap::ValueEnum;
@@ -27,6 +28,14 @@ pub fn plan(scene: &Scene, settings: &Settings) -> Plan {
     Plan { entries: entries.collect() }
 }
 
+/// Refuses effects that are switched on by hand and that neither the scene nor the settings tell enough of.
+///
+/// # Errors
+/// The first of them, with what to do.
+pub(crate) fn check_switches(scene: &Scene, settings: &Settings) -> Result<()> {
+    settings.switches.check(|effect| Survey { scene, settings }.of(effect).0)
+}
+
 struct Survey<'a> {
     scene: &'a Scene,
     settings: &'a Settings,
@@ -40,10 +49,7 @@ impl Survey<'_> {
         match effect {
             Effect::Colour => self.colour(),
             Effect::Styles => self.styles(),
-            Effect::Lights => {
-                let own = lights.iter().filter(|l| l.piece_radius == 0.0);
-                counted(own.map(at_light), "point lights and spotlights", "no light of this kind")
-            }
+            Effect::Lights => self.lights(),
             Effect::Projections => {
                 let own = lights.iter().filter(|l| l.projection.is_some());
                 counted(own.map(at_light), "lights that project", "no light projects a picture")
@@ -211,6 +217,27 @@ impl Survey<'_> {
         (true, format!("{} styles besides 0 ({}){first}", styles.len(), listed.join(" ")))
     }
 
+    fn lights(&self) -> Finding {
+        let lights = &self.scene.lights;
+        let own = lights.iter().filter(|l| l.piece_radius == 0.0).map(|l| place(l.origin));
+        let (on, what) = counted(own, "point lights and spotlights", "no light of this kind");
+        if !on {
+            return (on, what);
+        }
+        let Reaches { ends, endless, idle, unknown } = reaches(self.scene);
+        let mut reasons = vec![what];
+        reasons.extend(ends.map(|[least, most]| match (least.round(), most.round()) {
+            (least, most) if least == most => format!("reach {most} units"),
+            (least, most) => format!("reach {least} to {most} units"),
+        }));
+        reasons.extend((endless > 0).then(|| format!("reach without end: {endless}")));
+        let places = idle.iter().map(|&l| place(lights[l].origin));
+        let (some, idle) = counted(places, "with no face in reach", "");
+        reasons.extend(some.then_some(idle));
+        reasons.extend((unknown > 0).then(|| format!("not looked at: {unknown}")));
+        (on, reasons.join("; "))
+    }
+
     fn surface_lights(&self) -> Finding {
         let Scene { lights, radiosity_lights, emitters, surfaces, .. } = self.scene;
         let copies = lights.iter().filter(|l| l.piece_radius > 0.0).map(|l| place(l.origin));
@@ -260,7 +287,7 @@ impl Survey<'_> {
 
     fn shaders(&self) -> Finding {
         let Scene { surfaces, shadings, names, .. } = self.scene;
-        let uneven = |i: &usize| shadings[*i].as_ref().is_some_and(Shading::is_uneven);
+        let uneven = |i: &usize| shadings[*i].as_ref().is_some_and(|s| s.is_uneven());
         let own = (0..shadings.len()).filter(uneven);
         let places = own.map(|i| format!("{} on {}", place(middle(&surfaces[i])), names[i]));
         counted(places, "faces of uneven reflectance", "every face reflects alike all over")

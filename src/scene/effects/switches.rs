@@ -15,7 +15,7 @@ impl Switches {
     /// Reads `+dirt,-suns`.
     ///
     /// # Errors
-    /// When a sign is missing, a name is none of an effect, or an effect cannot be switched on so.
+    /// When a sign is missing or a name is none of an effect.
     pub fn parse(text: &str) -> Result<Self> {
         let mut switches = Vec::new();
         for word in text.split(',').map(str::trim).filter(|w| !w.is_empty()) {
@@ -28,9 +28,6 @@ impl Switches {
                 }
             };
             let effect = Effect::from_str(name, true).map_err(|_| unknown(name))?;
-            if let (true, Some(advice)) = (on, needs(effect)) {
-                return Err(Error::setting(OPTION, format!("+{}: {advice}", effect.name())));
-            }
             switches.push((effect, on));
         }
         if switches.is_empty() {
@@ -45,6 +42,20 @@ impl Switches {
     /// Whether the user switched an effect on or off; `None` is neither.
     pub fn of(&self, effect: Effect) -> Option<bool> {
         self.0.iter().rev().find(|(e, _)| *e == effect).map(|(_, on)| *on)
+    }
+
+    /// Refuses an effect that is switched on but is not `on`, as more would have to be known for that.
+    ///
+    /// # Errors
+    /// The first such effect, with what to do.
+    pub fn check(&self, on: impl Fn(Effect) -> bool) -> Result<()> {
+        let wanted = self.0.iter().map(|s| s.0).filter(|&e| self.of(e) == Some(true));
+        for effect in wanted {
+            if let Some(advice) = needs(effect).filter(|_| !on(effect)) {
+                return Err(Error::setting(OPTION, format!("+{}: {advice}", effect.name())));
+            }
+        }
+        Ok(())
     }
 
     /// Whether the user switched an effect off.
@@ -70,7 +81,7 @@ fn needs(effect: Effect) -> Option<&'static str> {
         Effect::Minlight => Some("say how bright: --set _minlight=20"),
         Effect::Phong => Some("only brush models and texinfo with _phong can ask for this"),
         Effect::Fences | Effect::Glass | Effect::ModelShadows => {
-            Some("only brush models of the map can ask for this")
+            Some("only brush models, a material file or a text scene can ask for this")
         }
         Effect::Curtains | Effect::Shaders => {
             Some("only a material file or a text scene can ask for this")
@@ -108,6 +119,8 @@ mod tests {
         assert!(error("dirt").contains("+dirt or -dirt"));
         assert!(error("-drit").contains("sky-domes"));
         assert!(error(" ,").contains("name effects"));
-        assert!(error("+suns").contains("_sunlight"));
+        let switches = Switches::parse("+suns,+dirt,+phong,-phong").unwrap();
+        assert!(switches.check(|_| true).is_ok(), "what the map asks for may be named");
+        assert!(switches.check(|_| false).unwrap_err().to_string().contains("_sunlight"));
     }
 }

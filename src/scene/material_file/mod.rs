@@ -3,12 +3,24 @@
 
 mod read;
 
+use super::unknown_names::TextureNames;
 use glam::Vec3;
 
 /// The materials of a file, in its order. The default has none.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct MaterialFile {
-    entries: Vec<(Vec<String>, Material)>,
+    /// Its name.
+    name: String,
+    entries: Vec<(Vec<Named>, Material)>,
+}
+
+/// What an entry is about.
+#[derive(Clone, Debug, PartialEq)]
+struct Named {
+    /// In lower case; `*` stands for any letters.
+    pattern: String,
+    /// Line of the file.
+    line: usize,
 }
 
 /// What a texture does to light; `None` is as without the file.
@@ -87,7 +99,7 @@ impl MaterialFile {
         let texture = texture.to_ascii_lowercase();
         let mut all = Material::default();
         for (patterns, m) in &self.entries {
-            if !patterns.iter().any(|p| fits(p.as_bytes(), texture.as_bytes())) {
+            if !patterns.iter().any(|p| fits(p.pattern.as_bytes(), texture.as_bytes())) {
                 continue;
             }
             all.reflectance = m.reflectance.or(all.reflectance);
@@ -100,6 +112,14 @@ impl MaterialFile {
             all.modifier = m.modifier.or(all.modifier);
         }
         all
+    }
+
+    /// Warns of patterns that fit no texture of a map.
+    pub(super) fn warn(&self, textures: &TextureNames, warnings: &mut Vec<String>) {
+        let named = self.entries.iter().flat_map(|(patterns, _)| patterns);
+        let named = named.map(|p| (p.line, p.pattern.clone()));
+        let fits = |pattern: &str, name: &str| fits(pattern.as_bytes(), name.as_bytes());
+        textures.warn(&self.name, named, fits, warnings);
     }
 }
 

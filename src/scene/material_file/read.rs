@@ -1,6 +1,8 @@
 //! Reading material files: every complaint names file, line and key.
 
-use super::{Emitting, Material, MaterialEmission, MaterialFile, MaterialReflectance, Modifier};
+use super::{
+    Emitting, Material, MaterialEmission, MaterialFile, MaterialReflectance, Modifier, Named,
+};
 use crate::error::nearest;
 use crate::{Error, Result};
 use glam::Vec3;
@@ -31,7 +33,8 @@ impl MaterialFile {
     /// # Errors
     /// [`Error::Format`] with file, line and key for everything that cannot be used.
     pub fn parse(text: &str, name: &str) -> Result<Self> {
-        let reader = Reader { text, name };
+        let ends: Vec<usize> = text.match_indices('\n').map(|(at, _)| at).collect();
+        let reader = Reader { name, ends: &ends };
         let table = DeTable::parse(text).map_err(|e| {
             let at = e.span().map_or(0, |span| span.start);
             let message = e.message().lines().next().unwrap_or("not TOML").to_owned();
@@ -48,7 +51,7 @@ impl MaterialFile {
                 entries.push(reader.entry(entry)?);
             }
         }
-        Ok(Self { entries })
+        Ok(Self { name: name.to_owned(), entries })
     }
 }
 
@@ -57,15 +60,19 @@ type Value<'a> = Spanned<DeValue<'a>>;
 /// Where complaints are placed.
 #[derive(Clone, Copy)]
 struct Reader<'a> {
-    text: &'a str,
     name: &'a str,
+    /// Where lines end.
+    ends: &'a [usize],
 }
 
 impl Reader<'_> {
+    /// The line of a place in the text.
+    fn line(&self, at: usize) -> usize {
+        1 + self.ends.partition_point(|&end| end < at)
+    }
+
     fn error(&self, at: usize, problem: impl Into<String>) -> Error {
-        let before = &self.text.as_bytes()[..at.min(self.text.len())];
-        let line = 1 + before.iter().filter(|&&b| b == b'\n').count();
-        Error::format(format!("{}: line {line}", self.name), problem)
+        Error::format(format!("{}: line {}", self.name, self.line(at)), problem)
     }
 
     /// Refuses keys other than those `known`.
@@ -78,7 +85,7 @@ impl Reader<'_> {
         Err(self.error(at, format!("unknown key \"{shown}\"; did you mean \"{like}\"?")))
     }
 
-    fn entry(&self, entry: &Value<'_>) -> Result<(Vec<String>, Material)> {
+    fn entry(&self, entry: &Value<'_>) -> Result<(Vec<Named>, Material)> {
         let at = entry.span().start;
         let DeValue::Table(table) = entry.get_ref() else {
             return Err(self.error(at, "material: a table of keys is expected"));
@@ -148,9 +155,12 @@ impl Reader<'_> {
         Ok(())
     }
 
-    fn patterns(&self, value: &Value<'_>) -> Result<Vec<String>> {
+    fn patterns(&self, value: &Value<'_>) -> Result<Vec<Named>> {
         let one = |value: &Value<'_>| match value.get_ref() {
-            DeValue::String(name) if !name.is_empty() => Ok(name.to_ascii_lowercase()),
+            DeValue::String(name) if !name.is_empty() => Ok(Named {
+                pattern: name.to_ascii_lowercase(),
+                line: self.line(value.span().start),
+            }),
             _ => Err(self.error(value.span().start, "texture: a name in quotes is expected")),
         };
         match value.get_ref() {
