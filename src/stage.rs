@@ -8,13 +8,14 @@ use crate::lightmap::{self, DebugSources, DebugView, FinishedFace};
 use crate::patch::{Emission, MapPatches};
 use crate::progress::{Deadline, Progress};
 use crate::radiosity::bounce::{self, Bounced};
-use crate::radiosity::solve::Limits;
+use crate::radiosity::solve::{self, Limits};
 use crate::radiosity::transfers::{Sharing, Transfers};
 use crate::scene::{Sample, Scene, Surface, luxels};
 use crate::settings::Settings;
 use crate::{Error, Result};
 use rayon::prelude::*;
 use std::borrow::Cow;
+use std::collections::BTreeSet;
 
 /// Longest edge of the largest patches in luxels.
 const LARGEST_PATCH: u32 = 256;
@@ -111,8 +112,8 @@ pub(crate) fn direct_in_time(
     light::direct_in_time(light::Receivers { scene, samples, extra, directions }, deadline)
 }
 
-/// The patches; none when no light is to bounce. They are larger than the settings say where the form
-/// factors between them would not fit into memory.
+/// The patches; none when no light is to bounce. They are larger than the settings say where they, with the
+/// form factors between them, would not fit into memory.
 pub(crate) fn patches(
     scene: &Scene,
     samples: &[Vec<Sample>],
@@ -123,19 +124,23 @@ pub(crate) fn patches(
     if scene.world.bounce.most == Some(0) && scene.emitters.is_empty() {
         return MapPatches::default();
     }
+    let of_lights = scene.lights.iter().map(|l| l.style);
+    let styles: BTreeSet<u16> = of_lights.chain(scene.emitters.iter().map(|e| e.style)).collect();
+    let styles = styles.len().max(1);
     let mut size = settings.patch_size;
     loop {
         let patches = MapPatches::new(scene, samples, size);
         let (leaders, small) = economies(&patches, settings);
         let sharing = Sharing { leaders: &leaders, share: settings.share, small: &small };
         let (tracer, cells) = (scene.bounce_tracer(), settings.hemicube);
-        let expected = Transfers::expected_bytes(tracer, &patches.set, sharing, cells);
+        let of_light = solve::bytes_of_a_patch(styles) * patches.set.patches.len() as u64;
+        let expected = of_light + Transfers::expected_bytes(tracer, &patches.set, sharing, cells);
         let left = settings.memory.left();
         if expected <= left || size >= LARGEST_PATCH {
             if size > settings.patch_size {
                 log::warn!(
-                    "patches of {size} luxels instead of {}, as form factors are to fit into the {} MiB \
-                     that are left; raise --memory-limit for more accurate bounced light",
+                    "patches of {size} luxels instead of {}, as form factors and the light of patches are \
+                     to fit into the {} MiB that are left; raise --memory-limit for more accurate bounced light",
                     settings.patch_size,
                     left >> 20
                 );

@@ -6,7 +6,7 @@
 
 use super::channels::{Channels, channels, colour};
 use super::direction::Direction;
-use super::transfers::Transfers;
+use super::transfers::{AT_A_TIME, Transfers};
 use crate::patch::Passage;
 use crate::photometry::{Exitance, Irradiance, Reflectance};
 use crate::scene::effects::COMPILED;
@@ -76,6 +76,14 @@ pub fn solve_with(
     let channels = Channels::of(surfaces, [sources]);
     let mut solutions = solve_styles(surfaces, &[sources], limits, channels);
     solutions.pop().expect("as many as sources")
+}
+
+/// Bytes that solving so many light styles takes for a patch, at most, besides its form factors.
+pub fn bytes_of_a_patch(styles: usize) -> u64 {
+    // Light in all, unsent, arriving, sent and gone, and what is gathered from and into.
+    const SOLVING: usize = 7 * size_of::<[f64; 3]>();
+    const SOLVED: usize = size_of::<Exitance>() + size_of::<Irradiance>();
+    (styles.min(AT_A_TIME) * SOLVING + styles * SOLVED) as u64
 }
 
 /// What light meets.

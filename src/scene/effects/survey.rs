@@ -311,9 +311,9 @@ impl Survey<'_> {
         let until = match world.bounce.most {
             Some(most) => format!("at most {most} times"),
             None => {
-                // Each pass leaves about this share of the light.
-                let passes = (self.settings.residual.ln() / f64::from(mean).ln()).ceil();
-                format!("about {passes:.0} times, until {:.0e} is left", self.settings.residual)
+                // Each bounce leaves about this share of the light.
+                let bounces = (self.settings.residual.ln() / f64::from(mean).ln()).ceil();
+                format!("about {bounces:.0} times, until {:.0e} is left", self.settings.residual)
             }
         };
         let count = reflecting().count();
