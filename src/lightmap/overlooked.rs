@@ -16,7 +16,9 @@ const BESIDE: f32 = 12.0;
 const BEYOND: f32 = 12.0;
 /// It counts if it rises by this much over that distance: what is lower fills a twentieth of the view.
 const RISE: f32 = 6.0;
-/// Points that are as near to it as the luxel see it too: they suffice with this share of the weight.
+/// Points that are as near to it as the luxel, or farther by less than this, see it too...
+const NEARLY: f32 = 4.0;
+/// ...and suffice with this share of the weight.
 const CLOSE: f64 = 0.25;
 /// Walls higher than this look much the same from the points as from the luxel.
 const HIGH: f32 = 32.0;
@@ -52,7 +54,7 @@ fn beside(
     }
     let towards = away.normalize();
     let weight = |n: &Neighbour| n.weight;
-    let close = around.iter().filter(|n| n.offset.dot(towards) > -BEYOND).map(weight).sum::<f64>();
+    let close = around.iter().filter(|n| n.offset.dot(towards) > -NEARLY).map(weight).sum::<f64>();
     if close >= CLOSE * around.iter().map(weight).sum::<f64>() {
         return false;
     }

@@ -128,6 +128,7 @@ impl MapPatches {
         self.spacing[index] = face.size() as f32 * unit.sqrt() as f32;
         self.intervals.add(luxels.width, face.intervals().iter().copied());
         let (mut grid, blocks) = face.into_patches(self.surface.len() as u32);
+        grid.complete(index as u32);
         let spots = scene.varies(index).then(|| Spots::of(surface, luxels));
         let mut of_patches = BTreeMap::new();
         if let Some(spots) = &spots {
@@ -136,7 +137,6 @@ impl MapPatches {
             let varied: Option<Vec<Vec3>> = spots.of_intervals(luxels).map(of).collect();
             self.varied.extend(varied.map(|varied| (index, varied)));
         }
-        grid.complete(index as u32);
         for block in blocks {
             let centroid = (block.moment / block.area).as_vec2();
             let eye = luxels.world_of(centroid) + surface.normal * LIFT;

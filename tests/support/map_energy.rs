@@ -3,9 +3,10 @@
 use super::lit_map::{Lit, Prepared};
 use glam::DVec3;
 use qrad::light::bounce_source;
-use qrad::patch::Passage;
+use qrad::patch::{Overlay, Passage, PatchId};
 use qrad::radiosity::bounce::PatchLight;
 use qrad::scene::Role;
+use std::collections::BTreeSet;
 
 /// What the sums of a map come to.
 #[derive(Clone, Copy, Debug, Default)]
@@ -51,6 +52,20 @@ fn row(map: &Prepared, i: usize) -> impl Iterator<Item = (usize, DVec3)> + '_ {
     opaque.chain(panes).map(|(j, f)| (j as usize, f))
 }
 
+/// The same without what patterns add, which tells from which parts of a patch light comes, not how much
+/// of the patch is seen.
+fn seen(map: &Prepared, i: usize) -> impl Iterator<Item = (usize, DVec3)> + '_ {
+    let overlay = map.patches.set.overlay.as_deref();
+    let layers: BTreeSet<u32> =
+        overlay.into_iter().flat_map(Overlay::layer_patches).map(|(patch, _)| patch.0).collect();
+    let patterned =
+        move |j: u32| overlay.is_some_and(|o| o.varies(PatchId(j))) && !layers.contains(&j);
+    let opaque = map.transfers.entries(i).map(|(j, f)| (j, DVec3::splat(f.into())));
+    let panes = map.transfers.overlay_row(i).iter().map(|&(j, f)| (j, f.as_dvec3()));
+    let panes = panes.filter(move |&(j, _)| !patterned(j));
+    opaque.chain(panes).map(|(j, f)| (j as usize, f))
+}
+
 /// Between the planes of the map's surfaces: the errors of single pairs of patches, a few cells each,
 /// are mostly those of neighbours.
 fn asymmetry(map: &Prepared) -> f64 {
@@ -62,7 +77,7 @@ fn asymmetry(map: &Prepared) -> f64 {
     let plane: Vec<usize> = (0..count).map(|a| (0..a).find(|&b| same(a, b)).unwrap_or(a)).collect();
     let mut flow = vec![DVec3::ZERO; count * count];
     for i in 0..map.transfers.rows() {
-        for (j, f) in row(map, i) {
+        for (j, f) in seen(map, i) {
             let [from, to] = [i, j].map(|p| plane[map.patches.surface[p] as usize]);
             flow[from * count + to] += area(map, i) * f;
         }
@@ -93,13 +108,8 @@ fn style(map: &Prepared, lit: &Lit, light: &PatchLight) -> (f64, f64) {
     let emission = emission.iter().find(|e| e.style == light.style);
     let (mut arriving, mut sums) = (Vec::new(), Vec::new());
     for i in 0..m.len() {
-        let (mut arrives, mut sum) = (DVec3::ZERO, DVec3::ZERO);
-        for (j, f) in row(map, i) {
-            arrives += m[j] * f;
-            sum += f;
-        }
-        arriving.push(arrives);
-        sums.push(sum);
+        arriving.push(row(map, i).map(|(j, f)| m[j] * f).sum::<DVec3>());
+        sums.push(seen(map, i).map(|(_, f)| f).sum::<DVec3>());
     }
     // Of what meets a patch: what it lets through, and what comes through to it.
     let mut tau = vec![DVec3::ZERO; m.len()];
