@@ -16,7 +16,9 @@ const ROUGH: f64 = 0.15;
 /// Share of the time asked for that is kept for what comes last...
 const ENDING: f64 = 0.03;
 /// ...and so many times what it took to place luxels.
-const ENDINGS: f64 = 1.5;
+const ENDINGS: f64 = 2.5;
+/// With less than so many times that left, patches are not even cut.
+const PATCHES: f64 = 4.0;
 
 /// When direct light is to end, if a time is asked for.
 pub(crate) fn end_of_direct(aim: Aim) -> Option<Duration> {
@@ -48,7 +50,7 @@ pub(super) fn for_time(
         say(&mut said, format!("{seconds} s are too few for patches: bounced light is a guess"));
         (direct.ambient(settings, progress), said)
     };
-    if left() <= 0.0 {
+    if left() <= PATCHES * placing {
         return guess(said);
     }
     if settings.keep_partial {
