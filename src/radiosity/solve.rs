@@ -1,8 +1,8 @@
 //! Solving the radiosity equation M_i = E_i + rho_i (D_i + sum_j F_ij M_j) by passes of gathering. Where
 //! light passes through sheets, M_i also has tau_k times what meets the other side k.
 //!
-//! With a limit of passes each is a bounce. Without one, passes are made to leave as little as they can
-//! ([`Direction`]).
+//! With a limit of passes each is a bounce. Without one, passes are made to leave as little as they can,
+//! by conjugate residuals.
 
 use super::channels::{Channels, channels, colour};
 use super::direction::Direction;
@@ -52,8 +52,8 @@ pub struct Solution {
 }
 
 /// Sends the light on, pass by pass. With a limit of passes, what a patch reflects in one is what it sends
-/// in the next; without, a pass sends a mixture of what is left and what the one before it sent. Sums run in a fixed order in double precision, so the bytes do not depend on the number of
-/// threads. `reflectance` below 1 makes it converge.
+/// in the next; without, a pass sends a mixture of what is left and what the one before it sent. Sums run
+/// in a fixed order in double precision, so the bytes do not depend on the number of threads. `reflectance` below 1 makes it converge.
 pub fn solve(
     transfers: &Transfers,
     reflectance: &[Reflectance],
