@@ -283,7 +283,7 @@ impl Settings {
     }
 
     /// Whether coarser hemicubes do for what is small. Lamps that shine as areas must not be missed.
-    pub(crate) fn coarse_where_small(&self) -> bool {
+    pub fn coarse_where_small(&self) -> bool {
         self.share > 0.0 && self.surface_lights == SurfaceLights::Points
     }
 

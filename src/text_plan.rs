@@ -12,7 +12,7 @@ use glam::DVec3;
 use std::time::Duration;
 
 /// The effects that text scenes may call for, in the order of [`Effect`].
-const EFFECTS: [Effect; 7] = [
+pub const EFFECTS: [Effect; 7] = [
     Effect::Colour,
     Effect::SurfaceLights,
     Effect::Glass,

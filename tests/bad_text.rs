@@ -8,6 +8,7 @@ use qrad::bsp::{Bsp, Format, parse_entities, write_lit};
 use qrad::patch::{Reading, TextScene};
 use std::time::{Duration, Instant};
 use support::map_builder::MapBuilder;
+use support::wads::wad;
 use support::{attacks, tiny};
 
 const SCENE: &str = "0 0 0 0 5 0 0 0 1\n64 64 8 8 100\n\
@@ -237,7 +238,7 @@ fn every_value_of_content_json_may_be_anything() {
 
 #[test]
 fn every_field_of_a_wad_may_hold_anything() {
-    let file = wad();
+    let file = wad(8, 8);
     for at in 0..file.len() - 3 {
         for word in [0, 1, 3, 40, 0x44, 255, 0x7fff_ffff, 0x8000_0000, u32::MAX, file.len() as u32]
         {
@@ -324,7 +325,7 @@ proptest! {
     }
 
     #[test]
-    fn damaged_wads_are_survived(bytes in damaged(wad())) {
+    fn damaged_wads_are_survived(bytes in damaged(wad(8, 8))) {
         attacks::wad(&bytes);
     }
 
@@ -332,21 +333,4 @@ proptest! {
     fn damaged_lits_are_survived(bytes in damaged(write_lit(&[1, 2, 3, 4, 5, 6]))) {
         attacks::lit(&bytes);
     }
-}
-
-/// A WAD with one texture of 8 x 8 texels.
-fn wad() -> Vec<u8> {
-    let mut file = b"WAD2\x01\0\0\0".to_vec();
-    let size = 40 + 64_u32;
-    file.extend((12 + size).to_le_bytes());
-    file.extend(b"inner\0\0\0\0\0\0\0\0\0\0\0");
-    for number in [8, 8, 40, 0, 0, 0_u32] {
-        file.extend(number.to_le_bytes());
-    }
-    file.resize(12 + size as usize, 7);
-    for number in [12, size, size, 0x44] {
-        file.extend(number.to_le_bytes());
-    }
-    file.extend(b"Outer\0\0\0\0\0\0\0\0\0\0\0");
-    file
 }

@@ -5,11 +5,13 @@ mod support;
 use glam::Vec3;
 use proptest::prelude::*;
 use qbsp::{BspData, BspParseInput, BspParseSettings};
+use qrad::Error;
 use qrad::bsp::{
     Bsp, Format, StyleRange, average_colour, find_texture, load_wad, parse_entities, read_lit,
     rewrite_entities, write_entities,
 };
 use support::map_builder::MapBuilder;
+use support::wads::wad;
 
 const FORMATS: [Format; 3] = [Format::Bsp29, Format::Bsp2, Format::TwoPsb];
 
@@ -435,4 +437,35 @@ fn the_wad_holds_the_textures_of_the_maps() {
     let mid = find_texture(&wad, "mid").unwrap();
     let mean = average_colour(mid.pixels.as_ref().unwrap()).unwrap();
     assert_eq!(mean, Vec3::splat(f32::from(0xBB_u8) / 255.0));
+}
+
+#[test]
+fn finds_textures_of_any_size_whatever_the_case() {
+    // quake-util itself refuses sizes that are no multiple of 8, and panics on zero.
+    for (width, height) in [(8, 16), (3, 5)] {
+        let textures = load_wad(&wad(width, height)).unwrap();
+        let texture = find_texture(&textures, "OUTER").unwrap();
+        assert_eq!((texture.width, texture.height), (width, height));
+        assert_eq!(texture.pixels, Some(vec![7; (width * height) as usize]));
+        assert_eq!(find_texture(&textures, "inner"), None);
+    }
+    assert_eq!(load_wad(&wad(0, 0)).unwrap()[0].pixels, None);
+}
+
+#[test]
+fn damaged_wads_do_not_panic() {
+    let good = wad(8, 8);
+    for length in 0..good.len() {
+        assert!(load_wad(&good[..length]).is_err(), "cut to {length} bytes");
+    }
+    for at in 0..good.len() {
+        for byte in [0, 0x7F, 0xFF] {
+            let mut bad = good.clone();
+            bad[at] = byte;
+            let _ = load_wad(&bad);
+        }
+    }
+    let mut wad3 = good;
+    wad3[3] = b'3';
+    assert!(matches!(load_wad(&wad3), Err(Error::Unsupported(_))));
 }

@@ -6,22 +6,11 @@ use qrad::patch::{PatchEffects, Shader, TextScene};
 use qrad::progress::Progress;
 use qrad::radiosity::channels::Channels;
 use qrad::scene::effects::{Effect, Plan, Switches};
-use qrad::text_plan;
+use qrad::text_plan::{self, EFFECTS};
 use std::path::{Path, PathBuf};
 use support::maps_dir;
 use support::program::{arg, fail, run};
 use support::quads::{Light, cuboid, scene};
-
-/// The effects that text scenes may call for.
-const ALL: [Effect; 7] = [
-    Effect::Colour,
-    Effect::SurfaceLights,
-    Effect::Glass,
-    Effect::Curtains,
-    Effect::Shaders,
-    Effect::Bounces,
-    Effect::NearField,
-];
 
 fn file(name: &str) -> PathBuf {
     maps_dir().join("cornell").join(name)
@@ -50,7 +39,7 @@ fn plan(scene: &TextScene) -> Plan {
 #[test]
 fn each_effect_is_on_where_a_patch_calls_for_it() {
     let [plain, rich] = rooms();
-    for effect in ALL {
+    for effect in EFFECTS {
         let of_all = [Effect::SurfaceLights, Effect::Bounces, Effect::NearField];
         assert_eq!(plan(&plain).is_on(effect), of_all.contains(&effect), "{effect:?}");
         assert!(plan(&rich).is_on(effect), "{effect:?}");
@@ -69,7 +58,7 @@ fn each_effect_can_be_switched_off_and_that_changes_the_light() {
     let quiet = Progress::new(false);
     let light = |scene: &TextScene| qrad::light_patches(scene, &quiet).unwrap().1;
     let before = light(&rich).exitance;
-    for effect in ALL.into_iter().filter(|e| *e != Effect::NearField) {
+    for effect in EFFECTS.into_iter().filter(|e| *e != Effect::NearField) {
         let switches = Switches::parse(&format!("-{}", effect.name())).unwrap();
         let mut scene = rich.clone();
         text_plan::apply(&switches, &mut scene);
@@ -102,7 +91,7 @@ fn explain_prints_the_plan_and_writes_nothing() {
     let flag = Path::new("--patches");
     let output = run(flag, &[arg(&path), "--explain"]);
     let text = String::from_utf8(output.stdout).unwrap();
-    for effect in ALL {
+    for effect in EFFECTS {
         assert!(text.lines().any(|l| l.starts_with(&effect.name())), "{effect:?} is not in {text}");
     }
     assert!(text.contains("; about "), "{text}");

@@ -6,11 +6,14 @@
 mod map_builder;
 #[path = "../../tests/support/tiny.rs"]
 mod tiny;
+#[path = "../../tests/support/wads.rs"]
+mod wads;
 
 use map_builder::MapBuilder;
 use qrad::bsp::{Bsp, Format, write_hdr_lit, write_lit};
 use std::fs;
 use std::path::{Path, PathBuf};
+use wads::wad;
 
 fn main() -> std::io::Result<()> {
     let here = Path::new(env!("CARGO_MANIFEST_DIR"));
@@ -59,23 +62,6 @@ fn maps() -> Vec<(String, Bsp)> {
             ]
         })
         .collect()
-}
-
-/// A WAD with one texture.
-fn wad(width: u32, height: u32) -> Vec<u8> {
-    let mut file = b"WAD2\x01\0\0\0".to_vec();
-    let size = 40 + width * height;
-    file.extend((12 + size).to_le_bytes());
-    file.extend(b"inner\0\0\0\0\0\0\0\0\0\0\0");
-    for number in [width, height, 40, 0, 0, 0] {
-        file.extend(number.to_le_bytes());
-    }
-    file.resize(12 + size as usize, 7);
-    for number in [12, size, size, 0x44] {
-        file.extend(number.to_le_bytes());
-    }
-    file.extend(b"Outer\0\0\0\0\0\0\0\0\0\0\0");
-    file
 }
 
 /// texinfo.json, content.json and `.rad` with a NUL between.

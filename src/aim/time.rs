@@ -59,7 +59,7 @@ pub(super) fn for_time(
     let rungs = settings.ladder.rungs();
     let mut costs = Costs::measure_rough(&direct.scene, &direct.points.luxels);
     // Hemicubes at all luxels come last: they can stop at any of them.
-    let run = |rung: &Rung, end: f64| {
+    let run = |rung: &Rung| {
         let gather = Gather::Interpolate;
         let settings = Settings { check: false, gather, ..rung.settings(settings) };
         let end = progress.deadline(Duration::from_secs_f64(end.max(0.0)));
@@ -71,7 +71,7 @@ pub(super) fn for_time(
     let rough = costs.seconds(&rungs[0]);
     if rough < ROUGH * left() {
         let begun = progress.elapsed().as_secs_f64();
-        best = run(&rungs[0], end).map(|light| (0, light));
+        best = run(&rungs[0]).map(|light| (0, light));
         let taken = progress.elapsed().as_secs_f64() - begun;
         slower = (taken / rough.max(1e-6)).clamp(0.5, 3.0);
         if let Some((_, light)) = best.as_ref().filter(|_| settings.keep_partial) {
@@ -83,7 +83,7 @@ pub(super) fn for_time(
     let choice = rungs.iter().rposition(fits).unwrap_or(0);
     // What does not fit by prediction may do so all the same: it is tried until there is no time left.
     if best.as_ref().is_none_or(|b| b.0 < choice)
-        && let Some(light) = run(&rungs[choice], end)
+        && let Some(light) = run(&rungs[choice])
     {
         best = Some((choice, light));
     }

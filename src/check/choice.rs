@@ -1,5 +1,7 @@
 //! Sequences that fill a range evenly however many of their numbers are taken.
 
+use crate::scene::random::SplitMix;
+
 /// Golden ratio less 1: the most even step on a circle.
 const GOLDEN: f64 = 0.618_033_988_749_894_9;
 /// Its like in two and four dimensions: powers of 1 / x where x^3 = x + 1 and x^5 = x + 1 (M. Roberts,
@@ -30,25 +32,11 @@ fn gcd(a: usize, b: usize) -> usize {
 /// makes the sequence of every point another.
 pub(super) fn four(k: u32, shift: u64, start_counts: bool) -> [f32; 4] {
     let steps = if start_counts { FOUR } else { [PLANE[0], PLANE[1], 0.0, 0.0] };
-    let mut random = Random(shift);
+    let mut random = SplitMix(shift);
     steps.map(|step| {
         let value = (random.next() + f64::from(k) * step).fract() as f32;
         value.min(1.0 - f32::EPSILON)
     })
-}
-
-/// Random numbers from a seed (splitmix64: G. Steele, D. Lea and C. Flood, 2014).
-pub(super) struct Random(pub u64);
-
-impl Random {
-    /// The next number, from 0 to below 1.
-    pub fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
-    }
 }
 
 #[cfg(test)]

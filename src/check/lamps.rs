@@ -1,8 +1,8 @@
 //! Rays from where a path is to patches that give off light.
 
-use super::choice::Random;
 use super::walk::Lit;
 use crate::patch::PatchSet;
+use crate::scene::random::SplitMix;
 use glam::{DVec3, Vec3};
 
 /// Patches that give off light, to send rays to, and how likely each is chosen.
@@ -50,7 +50,7 @@ impl Lamps {
         lit: &Lit<'_>,
         from: Vec3,
         normal: Vec3,
-        random: &mut Random,
+        random: &mut SplitMix,
     ) -> Vec3 {
         let chosen = random.next();
         let Some(lamp) = self.lamps.get(self.lamps.partition_point(|l| l.until < chosen)) else {

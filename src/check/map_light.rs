@@ -1,6 +1,5 @@
 //! Checking maps: bounced light at luxels.
 
-use super::choice::Random;
 use super::corners::in_corner;
 use super::lamps::Lamps;
 use super::walk::{Bundle, Direct, Lit, Met, cosine, passages};
@@ -13,6 +12,7 @@ use crate::progress::Deadline;
 use crate::radiosity::hemicube::{DeltaFormFactors, HemicubeSize, View};
 use crate::radiosity::transfers::Gatherer;
 use crate::scene::Sample;
+use crate::scene::random::SplitMix;
 use glam::{DVec3, Vec3};
 use std::borrow::Cow;
 
@@ -71,7 +71,7 @@ impl MapLuxels<'_> {
 
     /// The same, and what the solution is wrong by along one path.
     fn gather_path(&self, gatherer: &mut Gatherer<'_>, point: usize, half: u64) -> Vec3 {
-        let mut random = Random((point as u64) << 1 | half);
+        let mut random = SplitMix((point as u64) << 1 | half);
         let (mut at, mut normal) = self.sample(point);
         let mut sum = self.gather(gatherer, (at, normal), random.next().to_bits());
         let mut share = Vec3::ONE;

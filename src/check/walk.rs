@@ -1,9 +1,10 @@
 //! Paths of light backwards: from a point along rays, reflected as diffuse surfaces do.
 
-use super::choice::{Random, four};
+use super::choice::four;
 use super::lamps::{Lamps, by_chance};
 use crate::patch::{Overlay, PatchId, PatchSet, PolygonPatches};
 use crate::scene::Tracer;
+use crate::scene::random::SplitMix;
 use glam::{DVec3, Vec3};
 
 /// What may be left of the light of a path when the rest is taken from the solution.
@@ -95,12 +96,12 @@ impl Lit<'_> {
         start: impl Fn([f32; 2]) -> (Vec3, Vec3, Vec3),
     ) -> Vec3 {
         let depth = self.depth();
-        let seed = Random(bundle.seed).next().to_bits();
+        let seed = SplitMix(bundle.seed).next().to_bits();
         let mut sum = DVec3::ZERO;
         for k in 0..bundle.paths {
             let [u, v, x, y] = four(k, seed, bundle.starts);
             let (from, normal, share) = start([x, y]);
-            let mut random = Random(seed ^ u64::from(k).wrapping_mul(0xD6E8_FEB8_6659_FD93));
+            let mut random = SplitMix(seed ^ u64::from(k).wrapping_mul(0xD6E8_FEB8_6659_FD93));
             let direction = cosine(normal, u, v);
             let light = share * self.walk((from, normal), direction, depth, &mut random);
             sum += light.as_dvec3();
@@ -114,7 +115,7 @@ impl Lit<'_> {
         (mut from, mut normal): (Vec3, Vec3),
         mut direction: Vec3,
         depth: u32,
-        random: &mut Random,
+        random: &mut SplitMix,
     ) -> Vec3 {
         let (mut sum, mut share) = (Vec3::ZERO, Vec3::ONE);
         // The solution cannot tell what few bounces leave out.
@@ -158,7 +159,7 @@ impl Lit<'_> {
         &self,
         from: Vec3,
         direction: Vec3,
-        random: &mut Random,
+        random: &mut SplitMix,
         mut seen: impl FnMut(&Met, Vec3),
     ) -> Option<(Met, Vec3)> {
         let hit = self.tracer.first_hit(from, direction, FAR);
@@ -222,7 +223,7 @@ impl Lit<'_> {
 
     /// Where the light fell that a patch gives off at a point, one side of it or the other at random, and
     /// the share of it that is given off. `None` where it gives off none of others.
-    pub(super) fn side(&self, met: Met, random: &mut Random) -> Option<(Met, Vec3)> {
+    pub(super) fn side(&self, met: Met, random: &mut SplitMix) -> Option<(Met, Vec3)> {
         let reflectance = self.patches.patches[met.patch].reflectance.0;
         let Some(&(other, passes)) = self.passages.get(met.patch).filter(|p| p.1 != Vec3::ZERO)
         else {

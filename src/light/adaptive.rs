@@ -4,7 +4,7 @@
 //! are traced, unless the light is too weak to matter.
 
 use super::cells::{CellSums, Cells};
-use super::source::{Source, want};
+use super::source::Source;
 use super::wanted::Wanted;
 use crate::scene::{Arrival, DirtKeys};
 use glam::Vec3;
@@ -60,7 +60,7 @@ pub(super) fn light_cells(
     sums: &mut CellSums<'_, '_>,
 ) {
     let Some(whole) = cells.coarse.whole() else { return };
-    if !want(source, &cells.corners, wanted) {
+    if !source.want(&cells.corners, wanted) {
         return;
     }
     for cell in cells.cells() {
@@ -129,7 +129,7 @@ pub(super) fn light_cells(
         let members = cells.fine.members(tile);
         let others: Vec<u32> =
             members.iter().copied().filter(|&i| !cells.is_corner[i as usize]).collect();
-        if want(source, &others, wanted) {
+        if source.want(&others, wanted) {
             source.trace(&cells.fine, tile, wanted);
             for &i in &others {
                 if let Some(arrival) = wanted.arrived[i as usize] {

@@ -6,6 +6,7 @@ use super::sums::Given;
 use super::tiles::{Tile, Tiles};
 use super::wanted::Wanted;
 use super::{Blockers, BoundingSphere, FEW_RAYS, FaceDirt, MANY_RAYS, attenuation, point};
+use crate::scene::effects::COMPILED;
 use crate::scene::exact::{brightness, length};
 use crate::scene::{Arrival, DirtKeys, LightRays, Reach, Sample, Scene, Surface};
 use glam::Vec3;
@@ -37,6 +38,31 @@ impl Beam<'_, '_> {
         shadowed && self.blockers.cover(self.light, &tile.bounds)
     }
 
+    /// Whether neither the light nor the surface is anything but plain: shines a picture, takes light from
+    /// behind or has dirt.
+    fn is_plain(&self) -> bool {
+        let light = &self.scene.lights[self.light];
+        let either_side = light.bleed || self.surface.two_sided;
+        !COMPILED || !either_side && light.projection.is_none() && self.dirt.is_none()
+    }
+
+    /// See [`Source::sent`]; without `ANY`, all must be plain.
+    #[inline]
+    fn sent_as<const ANY: bool>(&self, i: usize) -> Option<Vec3> {
+        let (light, sample, world) =
+            (&self.scene.lights[self.light], &self.samples[i], &self.scene.world);
+        if !self.leafs.1.includes(self.leafs.0[i]) {
+            return None;
+        }
+        let (at, normal) = (sample.position, sample.normal);
+        let two_sided = self.surface.two_sided;
+        let mut colour = point::unshadowed::<ANY>(light, world.dist, at, normal, two_sided)?;
+        if ANY {
+            colour *= self.dirt.factor(i, &light.dirt, length(light.origin - at));
+        }
+        (brightness(colour).abs() > world.gate).then_some(colour)
+    }
+
     /// Remembers what blocked the last ray that was blocked.
     fn remember(&mut self) {
         if let Some(polygon) = self.rays.blocker() {
@@ -47,9 +73,15 @@ impl Beam<'_, '_> {
     /// Traces the rays to some samples; whether light arrives at the last of them.
     fn look(&mut self, members: &[u32], wanted: &mut Wanted) -> bool {
         let light = &self.scene.lights[self.light];
+        let (origin, mask) = (light.origin, light.shadow_mask);
+        if !self.scene.has_filters() {
+            return wanted.look(members, |i, colour, _| {
+                let arrives = self.rays.is_open(self.samples[i].position, origin, mask);
+                arrives.then_some(Arrival { colour, style: None })
+            });
+        }
         wanted.look(members, |i, colour, filtered| {
-            let (at, mask) = (self.samples[i].position, light.shadow_mask);
-            let arrival = self.rays.between(at, light.origin, mask, colour);
+            let arrival = self.rays.between(self.samples[i].position, origin, mask, colour);
             filtered.extend(self.rays.met_filter().then_some(i as u32));
             arrival
         })
@@ -58,17 +90,19 @@ impl Beam<'_, '_> {
 
 impl Source for Beam<'_, '_> {
     fn sent(&self, i: usize) -> Option<Vec3> {
-        let (light, sample, world) =
-            (&self.scene.lights[self.light], &self.samples[i], &self.scene.world);
-        if !self.leafs.1.includes(self.leafs.0[i]) {
-            return None;
+        self.sent_as::<COMPILED>(i)
+    }
+
+    fn want(&self, samples: &[u32], wanted: &mut Wanted) -> bool {
+        if self.is_plain() {
+            wanted.want(samples, |i| self.sent_as::<false>(i))
+        } else {
+            wanted.want(samples, |i| self.sent_as::<true>(i))
         }
-        let two_sided = self.surface.two_sided;
-        let colour =
-            point::unshadowed(light, world.dist, sample.position, sample.normal, two_sided)?;
-        let away = length(light.origin - sample.position);
-        let colour = colour * self.dirt.factor(i, &light.dirt, away);
-        (brightness(colour).abs() > world.gate).then_some(colour)
+    }
+
+    fn may_change_style(&self) -> bool {
+        self.scene.has_filters()
     }
 
     fn trace(&mut self, tiles: &Tiles, tile: &Tile, wanted: &mut Wanted) {
@@ -107,6 +141,7 @@ impl Source for Beam<'_, '_> {
         }
     }
 
+    #[inline(always)]
     fn given(&self, i: usize, arrival: Arrival) -> Given {
         let light = &self.scene.lights[self.light];
         let way = light.origin - self.samples[i].position;

@@ -7,6 +7,7 @@ use super::tiles::{Tile, Tiles};
 use super::totals::LitPoints;
 use crate::scene::effects::COMPILED;
 use crate::scene::exact::{dot, normalize, radians};
+use crate::scene::random::SplitMix;
 use crate::scene::{Bounds, DirtKeys, DirtSettings, Floor, LightRays, Sample, Scene};
 use glam::Vec3;
 use std::f64::consts::TAU;
@@ -56,7 +57,7 @@ impl FaceDirt {
         };
         if settings.random {
             for (i, sample) in samples.iter().enumerate().filter(|(_, s)| !s.occluded) {
-                let mut random = Sequence::new(index as u64, i as u64);
+                let mut random = sequence(index as u64, i as u64);
                 let frame = Frame::of(sample);
                 for direction in random_directions(settings, &mut random) {
                     room.look(i, frame.turned(direction));
@@ -151,7 +152,7 @@ fn directions(settings: &DirtSettings) -> Vec<Vec3> {
 }
 
 /// As many directions at random.
-fn random_directions(settings: &DirtSettings, random: &mut Sequence) -> Vec<Vec3> {
+fn random_directions(settings: &DirtSettings, random: &mut SplitMix) -> Vec<Vec3> {
     (0..AZIMUTHS * ELEVATIONS)
         .map(|_| {
             let azimuth = random.next() * TAU;
@@ -307,23 +308,9 @@ fn frame(n: Vec3) -> (Vec3, Vec3) {
     if dot(t.cross(b), n) < 0.0 { (b, t) } else { (t, b) }
 }
 
-/// Numbers that depend on the surface and the sample alone: the outputs of SplitMix64 (G. Steele,
-/// D. Lea and C. Flood, "Fast splittable pseudorandom number generators", 2014).
-struct Sequence(u64);
-
-impl Sequence {
-    fn new(surface: u64, sample: u64) -> Self {
-        Self(surface << 32 ^ sample)
-    }
-
-    /// Next number in 0 to 1.
-    fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
-    }
+/// Numbers that depend on the surface and the sample alone.
+fn sequence(surface: u64, sample: u64) -> SplitMix {
+    SplitMix(surface << 32 ^ sample)
 }
 
 #[cfg(test)]
@@ -335,12 +322,12 @@ mod tests {
         let settings = DirtSettings { angle: 60.0, ..DirtSettings::default() };
         let fixed = directions(&settings);
         assert_eq!(fixed.len(), 48);
-        let drawn = random_directions(&settings, &mut Sequence::new(3, 4));
+        let drawn = random_directions(&settings, &mut sequence(3, 4));
         for d in fixed.iter().chain(&drawn) {
             assert!((d.length() - 1.0).abs() < 1e-6 && d.z >= 0.5, "{d}");
         }
         assert!((fixed[1].z - 30_f32.to_radians().cos()).abs() < 1e-6);
-        assert_ne!(drawn, random_directions(&settings, &mut Sequence::new(3, 5)));
+        assert_ne!(drawn, random_directions(&settings, &mut sequence(3, 5)));
     }
 
     #[test]

@@ -235,7 +235,8 @@ pub fn at(scene: &Scene, position: Vec3, normal: Vec3) -> Vec<(u16, Irradiance)>
         None => styles.push((style, Irradiance(colour))),
     };
     for light in &scene.lights {
-        let Some(colour) = point::unshadowed(light, scene.world.dist, position, normal, false)
+        let Some(colour) =
+            point::unshadowed::<COMPILED>(light, scene.world.dist, position, normal, false)
         else {
             continue;
         };

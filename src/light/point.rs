@@ -2,7 +2,6 @@
 
 use super::{attenuation, spot};
 use crate::scene::Light;
-use crate::scene::effects::COMPILED;
 use crate::scene::exact::{dot, length};
 use glam::Vec3;
 
@@ -12,7 +11,7 @@ pub(super) const NEAREST: f32 = 0.1;
 /// Colour that arrives at `position` on a surface with unit normal `normal`, in light units; `None`
 /// if the light is behind the surface or the point outside the light's cone or picture. `dist` is the world's
 /// distance scale.
-pub(crate) fn unshadowed(
+pub(crate) fn unshadowed<const ANY: bool>(
     light: &Light,
     dist: f32,
     position: Vec3,
@@ -26,7 +25,7 @@ pub(crate) fn unshadowed(
         (d, direction) = (NEAREST, Vec3::Z);
     }
     let mut cosine = dot(direction, normal);
-    if COMPILED && (light.bleed || two_sided) {
+    if ANY && (light.bleed || two_sided) {
         cosine = cosine.abs();
     }
     if cosine < 0.0 {
@@ -40,7 +39,7 @@ pub(crate) fn unshadowed(
     }
     let colour = light.colour * add * (1.0 / 255.0);
     match &light.projection {
-        Some(picture) if COMPILED => Some(colour * picture.factor(-to_light)?),
+        Some(picture) if ANY => Some(colour * picture.factor(-to_light)?),
         _ => Some(colour),
     }
 }

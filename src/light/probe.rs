@@ -3,6 +3,7 @@
 
 use super::{point, radiosity, sun};
 use crate::photometry::Irradiance;
+use crate::scene::effects::COMPILED;
 use crate::scene::exact::{brightness, length, normalize};
 use crate::scene::{LightRays, Scene};
 use glam::Vec3;
@@ -67,7 +68,8 @@ fn each_light(scene: &Scene, position: Vec3, mut add: impl FnMut(Beam)) {
     let mut rays = LightRays::new(scene, None);
     for light in scene.lights.iter().filter(|l| l.channel_mask == 1) {
         let (towards, angle_scale) = (normalize(light.origin - position), light.angle_scale);
-        let colour = point::unshadowed(light, scene.world.dist, position, towards, false);
+        let colour =
+            point::unshadowed::<COMPILED>(light, scene.world.dist, position, towards, false);
         let colour = colour.map(|c| c * best_side(towards, angle_scale));
         let Some(colour) = colour.filter(|c| brightness(*c).abs() > scene.world.gate) else {
             continue;

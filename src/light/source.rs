@@ -3,6 +3,7 @@
 use super::sums::{Given, Sums};
 use super::tiles::{Tile, Tiles};
 use super::wanted::Wanted;
+use crate::scene::effects::COMPILED;
 use crate::scene::{Arrival, DirtKeys};
 use glam::Vec3;
 
@@ -10,6 +11,14 @@ use glam::Vec3;
 pub(super) trait Source {
     /// Colour that arrives at a sample if nothing is in the way; `None` if that is too little.
     fn sent(&self, sample: usize) -> Option<Vec3>;
+
+    /// Wants light at some samples; whether any of them may get some.
+    fn want(&self, samples: &[u32], wanted: &mut Wanted) -> bool {
+        wanted.want(samples, |i| self.sent(i))
+    }
+
+    /// Whether what arrives may be of another style than what is sent.
+    fn may_change_style(&self) -> bool;
 
     /// Finds what arrives at the samples of a tile where light is wanted.
     fn trace(&mut self, tiles: &Tiles, tile: &Tile, wanted: &mut Wanted);
@@ -27,17 +36,6 @@ pub(super) trait Source {
     fn share_left(&self, sample: usize) -> f32;
 }
 
-/// Wants light at some samples; whether any of them may get some.
-pub(super) fn want(source: &impl Source, samples: &[u32], wanted: &mut Wanted) -> bool {
-    let mut any = false;
-    for &i in samples {
-        let sent = source.sent(i as usize);
-        any |= sent.is_some();
-        wanted.sent[i as usize] = sent;
-    }
-    any
-}
-
 /// Lights all `free` samples.
 pub(super) fn light_all(
     source: &mut impl Source,
@@ -46,10 +44,20 @@ pub(super) fn light_all(
     sums: &mut Sums<'_>,
 ) {
     let Some(whole) = tiles.whole() else { return };
-    if want(source, free, wanted) {
+    if source.want(free, wanted) {
         source.trace(tiles, whole, wanted);
-        for (i, arrival) in wanted.take() {
-            sums.add(i, &source.given(i, arrival));
+        if COMPILED && (sums.directions.are_wanted() || source.may_change_style()) {
+            add_all::<true>(source, wanted, sums);
+        } else {
+            add_all::<false>(source, wanted, sums);
         }
+    }
+}
+
+/// Adds what arrived. Without `ANY`, no directions are wanted and all light keeps its style.
+fn add_all<const ANY: bool>(source: &impl Source, wanted: &mut Wanted, sums: &mut Sums<'_>) {
+    for (i, arrival) in wanted.take() {
+        let arrival = if ANY { arrival } else { Arrival { style: None, ..arrival } };
+        sums.add_as::<ANY>(i, &source.given(i, arrival));
     }
 }

@@ -2,6 +2,7 @@
 
 use super::{Directions, StyleLight};
 use crate::photometry::Irradiance;
+use crate::scene::effects::COMPILED;
 use glam::Vec3;
 
 /// Light that one source gives one sample.
@@ -32,7 +33,15 @@ pub(super) struct Sums<'a> {
 impl Sums<'_> {
     /// Adds what a sample is given.
     pub fn add(&mut self, i: usize, given: &Given) {
-        self.directions.add(given.style, (i, self.count), given.way, given.colour);
+        self.add_as::<COMPILED>(i, given);
+    }
+
+    /// The same, but for directions without `ANY`.
+    #[inline]
+    pub fn add_as<const ANY: bool>(&mut self, i: usize, given: &Given) {
+        if ANY {
+            self.directions.add(given.style, (i, self.count), given.way, given.colour);
+        }
         add(self.styles, given.style, self.count, i, given.colour);
         if given.excess != Vec3::ZERO {
             add(self.excess, given.style, self.count, i, given.excess);

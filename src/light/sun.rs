@@ -78,6 +78,10 @@ impl Source for SunBeam<'_, '_> {
         (brightness(colour).abs() > self.scene.world.gate).then_some(colour)
     }
 
+    fn may_change_style(&self) -> bool {
+        self.scene.has_filters()
+    }
+
     fn trace(&mut self, tiles: &Tiles, tile: &Tile, wanted: &mut Wanted) {
         let members = tiles.members(tile);
         let count = wanted.rays(members);

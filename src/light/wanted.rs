@@ -25,6 +25,17 @@ impl Wanted {
         }
     }
 
+    /// Wants what is `sent` to some samples; whether any of them may get some.
+    pub fn want(&mut self, samples: &[u32], sent: impl Fn(usize) -> Option<Vec3>) -> bool {
+        let mut any = false;
+        for &i in samples {
+            let sent = sent(i as usize);
+            any |= sent.is_some();
+            self.sent[i as usize] = sent;
+        }
+        any
+    }
+
     /// Number of samples of a tile that need a ray.
     pub fn rays(&self, members: &[u32]) -> usize {
         members.iter().filter(|&&i| self.sent[i as usize].is_some()).count()

@@ -193,10 +193,7 @@ impl<'a> LightRays<'a> {
     /// `None` if something opaque is between. The ends count as in [`ShadowRays::blocked`].
     pub fn between(&mut self, at: Vec3, light: Vec3, mask: i32, colour: Vec3) -> Option<Arrival> {
         self.met_filter = false;
-        // What always blocks is of channel 1.
-        if mask & 1 == 0 {
-            self.opaque.rays += 1;
-        } else if self.opaque.blocked(at, light) {
+        if !self.is_open(at, light, mask) {
             return None;
         }
         if !self.scene.has_filters() {
@@ -205,6 +202,17 @@ impl<'a> LightRays<'a> {
         let to_light = light - at;
         let reach = length(to_light);
         self.filtered(Way { from: at, direction: to_light / reach, reach }, mask, colour)
+    }
+
+    /// Whether nothing opaque is between a point and a light, as in [`Self::between`].
+    #[inline]
+    pub(crate) fn is_open(&mut self, at: Vec3, light: Vec3, mask: i32) -> bool {
+        // What always blocks is of channel 1.
+        if mask & 1 == 0 {
+            self.opaque.rays += 1;
+            return true;
+        }
+        !self.opaque.blocked(at, light)
     }
 
     /// What arrives at `at` of light of `colour` from far away in the unit direction `direction`,

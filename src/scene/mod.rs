@@ -38,7 +38,7 @@ mod pieces;
 mod projection;
 mod rad;
 mod radiosity_lights;
-mod random;
+pub(crate) mod random;
 mod shading;
 mod shadow;
 mod shaft;

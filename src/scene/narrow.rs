@@ -93,6 +93,7 @@ impl Narrow {
     }
 
     /// As [`WideTree::walk`], in the shaft if rays run in one, and there in no order.
+    #[inline(never)] // Whether callers take it in would change with what else they do.
     pub fn walk(
         &self,
         tree: &WideTree,

@@ -113,6 +113,7 @@ impl Packet {
     /// Masks of the triangles that the ray may meet, and of those that it surely meets inside, both
     /// with t up to `limit`. The test of Möller and Trumbore, "Fast, minimum storage ray/triangle
     /// intersection" (1997), both sides, without division.
+    #[inline(always)] // It is the inmost loop of all rays; left to itself, the compiler often calls it.
     pub fn meet(&self, ray: &WideRay, limit: f32) -> (u32, u32) {
         let from_corner = [0, 1, 2].map(|i| ray.start[i] - self.corner[i]);
         let p = cross(ray.way, self.ac);

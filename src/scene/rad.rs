@@ -45,6 +45,7 @@ pub(super) fn entities(
 #[cfg(test)]
 mod tests {
     use super::*;
+
     #[test]
     fn names_of_no_texture_are_told_once_with_the_nearest() {
         let mut warnings = Vec::new();

@@ -1,7 +1,7 @@
-//! The random numbers that spread jittered lights: the additive feedback generator that C libraries
-//! commonly use for an unseeded `rand()`, so that jitter is the same in every run.
+//! Random numbers that are the same in every run.
 
-/// The generator x(n) = x(n-3) + x(n-31) modulo 2^32, of which the upper 31 bits are used.
+/// What spreads jittered lights: the additive feedback generator that C libraries commonly use for an
+/// unseeded `rand()`, x(n) = x(n-3) + x(n-31) modulo 2^32, of which the upper 31 bits are used.
 pub(crate) struct Random {
     state: [u32; 31],
     at: usize,
@@ -34,6 +34,21 @@ impl Random {
     /// Next number in 0 to 1.
     pub fn next(&mut self) -> f32 {
         self.step() as f32 / 2_147_483_647.0
+    }
+}
+
+/// Numbers that depend on the seed alone: SplitMix64 (G. Steele, D. Lea and C. Flood, "Fast splittable
+/// pseudorandom number generators", 2014).
+pub(crate) struct SplitMix(pub u64);
+
+impl SplitMix {
+    /// Next number, from 0 to below 1.
+    pub fn next(&mut self) -> f64 {
+        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+        ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
     }
 }
 

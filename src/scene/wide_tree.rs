@@ -118,6 +118,7 @@ impl WideTree {
     /// polygon well inside one of its triangles. `visit` returns the limit from then on.
     /// No polygon that the ray meets up to there is left out; each is shown once. `stack` is room to
     /// work in.
+    #[inline(always)] // `Narrow::walk` alone calls it.
     pub fn walk(
         &self,
         start: Vec3,

@@ -3,15 +3,15 @@
 use qrad::bsp::Bsp;
 use qrad::light::{DirectLight, StyleLight, bounce_source, direct};
 use qrad::lightmap::{Gather, Sources, indirect};
-use qrad::patch::MapPatches;
+use qrad::patch::{MapPatches, PatchSet};
 use qrad::radiosity::bounce::{Bounced, bounce};
 use qrad::radiosity::solve::Limits;
-use qrad::radiosity::transfers::Transfers;
+use qrad::radiosity::transfers::{Sharing, Transfers};
 use qrad::scene::material_file::MaterialFile;
 use qrad::scene::{Sample, Scene, SceneSettings, Sidecar, luxels};
-use qrad::settings::Settings;
+use qrad::settings::{Settings, SurfaceLights};
 
-/// A map up to its transfers.
+/// A map up to its transfers, as runs with the same settings make them.
 pub struct Prepared {
     pub scene: Scene,
     pub samples: Vec<Vec<Sample>>,
@@ -34,7 +34,15 @@ impl Prepared {
     }
 
     /// With what stands beside the map.
-    pub fn with(bsp: &Bsp, settings: Settings, area_lights: bool, sidecar: Sidecar<'_>) -> Self {
+    pub fn with(
+        bsp: &Bsp,
+        mut settings: Settings,
+        area_lights: bool,
+        sidecar: Sidecar<'_>,
+    ) -> Self {
+        if area_lights {
+            settings.surface_lights = SurfaceLights::Area;
+        }
         let scene_settings = SceneSettings {
             area_lights,
             grey: settings.grey,
@@ -45,9 +53,19 @@ impl Prepared {
         let samples: Vec<_> =
             (0..scene.surfaces.len()).map(|face| luxels::place(&scene, face, 1)).collect();
         let patches = MapPatches::new(&scene, &samples, settings.patch_size);
-        let transfers =
-            Transfers::compute(scene.bounce_tracer(), &patches.set, settings.hemicube, |_| {});
-        Self { scene, samples, patches, transfers, settings }
+        let transfers = Transfers::default();
+        let map = Self { scene, samples, patches, transfers, settings };
+        Self { transfers: map.transfers_of(&map.patches.set), ..map }
+    }
+
+    /// The transfers of the patches of the map, `set`, as a run makes them.
+    pub fn transfers_of(&self, set: &PatchSet) -> Transfers {
+        let Self { scene, patches, settings, .. } = self;
+        let (leaders, mut small) = (patches.leaders(), patches.small());
+        small.iter_mut().for_each(|small| *small &= settings.coarse_where_small());
+        let sharing = Sharing { leaders: &leaders, share: settings.share, small: &small };
+        let (tracer, size) = (scene.bounce_tracer(), settings.hemicube);
+        Transfers::shared(tracer, set, sharing, size, |_| {})
     }
 
     /// A map of the project, with default settings and the material file beside it, if there is one.

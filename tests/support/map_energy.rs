@@ -3,10 +3,11 @@
 use super::lit_map::{Lit, Prepared};
 use glam::DVec3;
 use qrad::light::bounce_source;
-use qrad::patch::{Overlay, Passage, PatchId};
+use qrad::patch::{Overlay, Passage, PatchSet, Sheet, Tint};
 use qrad::radiosity::bounce::PatchLight;
+use qrad::radiosity::transfers::Transfers;
 use qrad::scene::Role;
-use std::collections::BTreeSet;
+use std::sync::Arc;
 
 /// What the sums of a map come to.
 #[derive(Clone, Copy, Debug, Default)]
@@ -23,9 +24,11 @@ pub struct MapSums {
 
 impl MapSums {
     pub fn new(map: &Prepared, lit: &Lit) -> Self {
-        let mut sums = Self { asymmetry: asymmetry(map), ..Self::default() };
+        let apart = without_patterns(map);
+        let seen = apart.as_ref().unwrap_or(&map.transfers);
+        let mut sums = Self { asymmetry: asymmetry(map, seen), ..Self::default() };
         for light in &lit.bounced.styles {
-            let (imbalance, residual) = style(map, lit, light);
+            let (imbalance, residual) = style(map, seen, lit, light);
             sums.imbalance = sums.imbalance.max(imbalance);
             sums.residual = sums.residual.max(residual);
         }
@@ -46,29 +49,26 @@ fn area(map: &Prepared, i: usize) -> f64 {
 }
 
 /// Form factors of a patch to others, a channel, with what glass takes from the light that passes it.
-fn row(map: &Prepared, i: usize) -> impl Iterator<Item = (usize, DVec3)> + '_ {
-    let opaque = map.transfers.entries(i).map(|(j, f)| (j, DVec3::splat(f.into())));
-    let panes = map.transfers.overlay_row(i).iter().map(|&(j, f)| (j, f.as_dvec3()));
+fn row(transfers: &Transfers, i: usize) -> impl Iterator<Item = (usize, DVec3)> + '_ {
+    let opaque = transfers.entries(i).map(|(j, f)| (j, DVec3::splat(f.into())));
+    let panes = transfers.overlay_row(i).iter().map(|&(j, f)| (j, f.as_dvec3()));
     opaque.chain(panes).map(|(j, f)| (j as usize, f))
 }
 
-/// The same without what patterns add, which tells from which parts of a patch light comes, not how much
-/// of the patch is seen.
-fn seen(map: &Prepared, i: usize) -> impl Iterator<Item = (usize, DVec3)> + '_ {
-    let overlay = map.patches.set.overlay.as_deref();
-    let layers: BTreeSet<u32> =
-        overlay.into_iter().flat_map(Overlay::layer_patches).map(|(patch, _)| patch.0).collect();
-    let patterned =
-        move |j: u32| overlay.is_some_and(|o| o.varies(PatchId(j))) && !layers.contains(&j);
-    let opaque = map.transfers.entries(i).map(|(j, f)| (j, DVec3::splat(f.into())));
-    let panes = map.transfers.overlay_row(i).iter().map(|&(j, f)| (j, f.as_dvec3()));
-    let panes = panes.filter(move |&(j, _)| !patterned(j));
-    opaque.chain(panes).map(|(j, f)| (j as usize, f))
+/// The transfers without what patterns add, which tells from which parts of a patch light comes, not how
+/// much of the patch is seen; `None` where there are none.
+fn without_patterns(map: &Prepared) -> Option<Transfers> {
+    map.patches.set.overlay.as_deref().filter(|overlay| overlay.has_patterns())?;
+    let (polygons, panes) = map.scene.panes();
+    let sheet = |pane| Sheet { tint: Tint::Pane(pane), sides: [None; 2] };
+    let overlay = Overlay::new(polygons, panes.into_iter().map(sheet).collect(), Vec::new());
+    let set = PatchSet { overlay: overlay.map(Arc::new), ..map.patches.set.clone() };
+    Some(map.transfers_of(&set))
 }
 
 /// Between the planes of the map's surfaces: the errors of single pairs of patches, a few cells each,
 /// are mostly those of neighbours.
-fn asymmetry(map: &Prepared) -> f64 {
+fn asymmetry(map: &Prepared, seen: &Transfers) -> f64 {
     let surfaces = &map.scene.surfaces;
     let same = |a: usize, b: usize| {
         surfaces[a].normal == surfaces[b].normal && surfaces[a].dist == surfaces[b].dist
@@ -76,8 +76,8 @@ fn asymmetry(map: &Prepared) -> f64 {
     let count = surfaces.len();
     let plane: Vec<usize> = (0..count).map(|a| (0..a).find(|&b| same(a, b)).unwrap_or(a)).collect();
     let mut flow = vec![DVec3::ZERO; count * count];
-    for i in 0..map.transfers.rows() {
-        for (j, f) in seen(map, i) {
+    for i in 0..seen.rows() {
+        for (j, f) in row(seen, i) {
             let [from, to] = [i, j].map(|p| plane[map.patches.surface[p] as usize]);
             flow[from * count + to] += area(map, i) * f;
         }
@@ -90,7 +90,7 @@ fn asymmetry(map: &Prepared) -> f64 {
 }
 
 /// Imbalance and residual of one style.
-fn style(map: &Prepared, lit: &Lit, light: &PatchLight) -> (f64, f64) {
+fn style(map: &Prepared, seen: &Transfers, lit: &Lit, light: &PatchLight) -> (f64, f64) {
     let arriving: Vec<_> = lit
         .direct
         .iter()
@@ -108,8 +108,8 @@ fn style(map: &Prepared, lit: &Lit, light: &PatchLight) -> (f64, f64) {
     let emission = emission.iter().find(|e| e.style == light.style);
     let (mut arriving, mut sums) = (Vec::new(), Vec::new());
     for i in 0..m.len() {
-        arriving.push(row(map, i).map(|(j, f)| m[j] * f).sum::<DVec3>());
-        sums.push(seen(map, i).map(|(_, f)| f).sum::<DVec3>());
+        arriving.push(row(&map.transfers, i).map(|(j, f)| m[j] * f).sum::<DVec3>());
+        sums.push(row(seen, i).map(|(_, f)| f).sum::<DVec3>());
     }
     // Of what meets a patch: what it lets through, and what comes through to it.
     let mut tau = vec![DVec3::ZERO; m.len()];

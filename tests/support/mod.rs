@@ -17,6 +17,7 @@ pub mod program;
 pub mod quads;
 pub mod tiny;
 pub mod views;
+pub mod wads;
 pub mod written;
 
 use std::path::{Path, PathBuf};
