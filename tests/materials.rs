@@ -200,39 +200,26 @@ fn surfaces_take_what_the_file_says() {
     assert!(kinds > 0, "whole patches are dark");
 }
 
-/// Tiles much smaller than patches, lit evenly, as a wall sees them: against the closed form of every tile.
-#[test]
-fn patterns_are_seen_where_they_are() {
+/// Tiles of 64 units over a floor of 256, half of them other than the rest: whether each is, and its corners.
+fn tiles() -> Vec<(bool, Vec<DVec3>)> {
     const TILE: f32 = 64.0;
-    let light = [("origin", "0 0 120"), ("light", "100"), ("delay", "3"), ("_anglescale", "0")];
-    let map = MapBuilder::room([-128.0, -128.0, 0.0], [128.0, 128.0, 128.0])
-        .solid_texture("wall", 12)
-        .solid_texture("tiles", 12)
-        .room_textures([0, 0, 0, 0, 1, 0])
-        .entities(entity("worldspawn", &[]) + &entity("light", &light));
-    let materials = material("wall", "bounce = false")
-        + &material("tiles", "modifier = { kind = \"checker\", size = 64, colour = [0, 0.5, 1] }");
-    let settings = Settings {
-        bounces: Some(1),
-        patch_size: 8,
-        gather: Gather::Luxel,
-        ..settings(Some(DebugView::Bounce))
-    };
-    let lit = lit(&map, &settings, &materials);
-    let floor = lit.scene.surfaces.iter().find(|s| s.normal == Vec3::Z).unwrap();
-    let dark = Vec3::new(0.0, 0.5, 1.0);
     let edge = |k: i32| f64::from(TILE) * f64::from(k);
-    let tiles: Vec<(Vec3, Vec<DVec3>)> = (-2..2)
+    (-2..2)
         .flat_map(|i| (-2..2).map(move |j| (i, j)))
         .map(|(i, j)| {
-            // The second axis of a floor's texture runs against y.
-            let factor = if (i + j) % 2 == 0 { dark } else { Vec3::ONE };
             let corners = [[i, j], [i + 1, j], [i + 1, j + 1], [i, j + 1]];
             // Luxels stand a unit before the walls, and see no more than what is before them.
             let x = |x| edge(x).clamp(-127.0, 127.0);
-            (factor, corners.map(|[i, j]| DVec3::new(x(i), edge(j), 0.0)).to_vec())
+            // The second axis of a floor's texture runs against y.
+            ((i + j) % 2 == 0, corners.map(|[i, j]| DVec3::new(x(i), edge(j), 0.0)).to_vec())
         })
-        .collect();
+        .collect()
+}
+
+/// Light on two walls over such a floor, whose tiles have an exitance of `other` or `one`: how far it is
+/// off, root mean square, and how far the mean of the tiles would be.
+fn off_on_walls(lit: &LitLight, [other, one]: [Vec3; 2]) -> [f32; 2] {
+    let tiles = tiles();
     let (mut off, mut even, mut sum) = (0.0, 0.0, 0.0);
     for s in (0..lit.scene.surfaces.len()).filter(|&s| lit.scene.surfaces[s].normal.x != 0.0) {
         let samples = qrad::scene::luxels::place(&lit.scene, s, 1);
@@ -242,20 +229,87 @@ fn patterns_are_seen_where_they_are() {
             }
             let [at, normal] = [sample.position, sample.normal].map(Vec3::as_dvec3);
             let (mut want, mut mean) = (Vec3::ZERO, Vec3::ZERO);
-            for (factor, tile) in &tiles {
-                let light = point_to_polygon(at, normal, tile) as f32 * floor.reflectance.0 * 100.0;
-                want += light * *factor;
-                mean += light * (Vec3::ONE + dark) * 0.5;
+            for (is_other, tile) in &tiles {
+                let share = point_to_polygon(at, normal, tile) as f32;
+                want += share * if *is_other { other } else { one };
+                mean += share * (one + other) * 0.5;
             }
             off += (got - want).length_squared();
             even += (mean - want).length_squared();
             sum += want.length_squared();
         }
     }
-    let [off, even] = [off, even].map(|e| (e / sum).sqrt());
+    [off, even].map(|e| (e / sum).sqrt())
+}
+
+/// A room whose floor is 256 wide, and settings under which a wall sees it in patches of 128.
+fn tiled_room(tiles: impl Fn(MapBuilder) -> MapBuilder) -> (MapBuilder, Settings) {
+    let map = MapBuilder::room([-128.0, -128.0, 0.0], [128.0, 128.0, 128.0]);
+    let map = tiles(map.solid_texture("wall", 12)).room_textures([0, 0, 0, 0, 1, 0]);
+    let settings = Settings {
+        bounces: Some(1),
+        patch_size: 8,
+        gather: Gather::Luxel,
+        ..settings(Some(DebugView::Bounce))
+    };
+    (map, settings)
+}
+
+const CHECKER: &str = "modifier = { kind = \"checker\", size = 64, colour = [0, 0.5, 1] }";
+
+/// Tiles much smaller than patches, lit evenly, as a wall sees them: against the closed form of every tile.
+#[test]
+fn patterns_are_seen_where_they_are() {
+    let (map, settings) = tiled_room(|map| map.solid_texture("tiles", 12));
+    let light = [("origin", "0 0 120"), ("light", "100"), ("delay", "3"), ("_anglescale", "0")];
+    let map = map.entities(entity("worldspawn", &[]) + &entity("light", &light));
+    let materials = material("wall", "bounce = false") + &material("tiles", CHECKER);
+    let lit = lit(&map, &settings, &materials);
+    let floor = lit.scene.surfaces.iter().find(|s| s.normal == Vec3::Z).unwrap();
+    let one = floor.reflectance.0 * 100.0;
+    let [off, even] = off_on_walls(&lit, [one * Vec3::new(0.0, 0.5, 1.0), one]);
     println!("off by {off}, means by {even}");
     assert!(even > 0.05, "means do not do: {even}");
     assert!(off < 0.02, "{off}");
+}
+
+/// The same of tiles that shine, whose texels are fullbright.
+#[test]
+fn texels_shine_where_they_are() {
+    // Tiles of 64 texels; the first is bright.
+    let bright = |k: usize| (k % 128 / 64 + k / 128 / 64) % 2 == 0;
+    let pixels: Vec<u8> = (0..128 * 128).map(|k| if bright(k) { 12 } else { 254 }).collect();
+    let (map, settings) = tiled_room(|map| map.texture("tiles", 128, 128, pixels.clone()));
+    let map = map.entities(entity("worldspawn", &[]));
+    let emission = "emission = { intensity = 100, parts = \"fullbright\" }\nreflectance = 0\n";
+    for modifier in ["", CHECKER] {
+        let materials = material("wall", "bounce = false")
+            + &material("tiles", &(emission.to_owned() + modifier));
+        let lit = lit(&map, &settings, &materials);
+        let shine = Vec3::from(qrad::bsp::PALETTE[254].map(f32::from)) / 255.0 * 100.0 * PI;
+        let [off, even] = off_on_walls(&lit, [shine, Vec3::ZERO]);
+        println!("off by {off}, means by {even}");
+        // Twice the contrast of the tiles above, and more of the noise of hemicubes.
+        assert!(even > 0.2, "means do not do: {even}");
+        assert!(off < 0.03, "{off}");
+    }
+}
+
+/// A floor that shines all over, lit by a lamp besides: what it gives off is even, what it reflects is not.
+#[test]
+fn floors_that_shine_reflect_their_pattern() {
+    let (map, settings) = tiled_room(|map| map.solid_texture("tiles", 12));
+    let light = [("origin", "0 0 120"), ("light", "100"), ("delay", "3"), ("_anglescale", "0")];
+    let map = map.entities(entity("worldspawn", &[]) + &entity("light", &light));
+    let settings = Settings { surface_lights: SurfaceLights::Area, ..settings };
+    let shining = "emission = { colour = [1, 1, 1], intensity = 20 }\n".to_owned() + CHECKER;
+    let materials = material("wall", "bounce = false") + &material("tiles", &shining);
+    let lit = lit(&map, &settings, &materials);
+    let floor = lit.scene.surfaces.iter().find(|s| s.normal == Vec3::Z).unwrap();
+    let (one, own) = (floor.reflectance.0 * 100.0, Vec3::splat(20.0 * PI));
+    let [off, even] = off_on_walls(&lit, [one * Vec3::new(0.0, 0.5, 1.0) + own, one + own]);
+    println!("off by {off}, means by {even}");
+    assert!(off < 0.02 && even > 2.0 * off, "{off}, means {even}");
 }
 
 #[test]

@@ -26,21 +26,22 @@ pub struct Energy {
 }
 
 impl Energy {
-    /// Of a solution: `exitance` has one entry a patch. `None` if nothing is sent to any patch.
+    /// Of a solution: `exitance` has one entry a patch, and may have those of glows. `None` if nothing is sent to any patch.
     pub fn new(patches: &PatchSet, transfers: &Transfers, exitance: &[DVec3]) -> Option<Self> {
         let received = transfers.gather(exitance);
         // What others see of each patch, times its area; and how many see it. Liquids take light, but no
         // ray of others ends on them.
         let mut seen = vec![(0.0, 0_u32); exitance.len()];
         let mut sees = vec![DVec3::ZERO; exitance.len()];
-        let patterned = patterned(patches);
+        let flags = patterned(patches);
+        let patterned = |column: u32| flags.get(column as usize).is_none_or(|&is| is);
         for (i, patch) in patches.patches.iter().enumerate() {
             for (j, f) in transfers.entries(i) {
                 let of = &mut seen[j as usize];
                 *of = (of.0 + f64::from(patch.area * f), of.1 + 1);
                 sees[i] += f64::from(f);
             }
-            for &(j, f) in transfers.overlay_row(i).iter().filter(|e| !patterned[e.0 as usize]) {
+            for &(j, f) in transfers.overlay_row(i).iter().filter(|e| !patterned(e.0)) {
                 sees[i] += f.as_dvec3();
                 let of = &mut seen[j as usize];
                 *of = (of.0 + f64::from(patch.area * f.element_sum() / 3.0), of.1 + 1);

@@ -31,7 +31,7 @@ pub struct MapLuxels<'a> {
     lit: &'a Lit<'a>,
     /// Surface and luxel.
     chosen: Vec<(u32, u32)>,
-    /// Exitance of each patch, all styles added up.
+    /// Exitance of each patch and each glow, all styles added up.
     exitance: &'a [Vec3],
     /// Bounced irradiance of each patch, all styles added up.
     irradiance: Vec<Vec3>,
@@ -235,8 +235,9 @@ pub fn check_luxels(run: &Run<'_>, end: Deadline<'_>) -> (Option<Findings>, Opti
     let Sources { scene, patches, transfers, light } = run.sources;
     let passages = passages(&patches.set);
     let count = patches.set.patches.len();
+    let columns = count + patches.set.overlay.as_deref().map_or(0, |o| o.glows().len());
     let total = |each: &mut dyn Iterator<Item = &[Exitance]>| {
-        let mut sum = vec![Vec3::ZERO; count];
+        let mut sum = vec![Vec3::ZERO; columns];
         for style in each {
             sum.iter_mut().zip(style).for_each(|(sum, m)| *sum += m.0);
         }

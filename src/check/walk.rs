@@ -29,7 +29,8 @@ pub trait Direct: Sync {
     fn at(&self, met: &Met) -> Vec3;
 }
 
-/// A solved scene, all light styles added up. Slices have one entry a patch.
+/// A solved scene, all light styles added up. Slices have one entry a patch, and those of light one for
+/// each glow of the overlay after them.
 pub struct Lit<'a> {
     /// What blocks light.
     pub tracer: &'a Tracer,
@@ -88,6 +89,20 @@ impl Lit<'_> {
         self.overlay().and_then(of).map_or(Vec3::ONE, DVec3::as_vec3)
     }
 
+    /// Light that a patch gives off by itself at a point, of a list of such light.
+    fn own(&self, list: &[Vec3], met: &Met) -> Vec3 {
+        let (mut own, mut apart) = (list[met.patch], Vec3::ZERO);
+        let mut glows =
+            self.overlay().into_iter().flat_map(|o| o.glows_of(PatchId(met.patch as u32)));
+        for (column, glow) in glows.by_ref() {
+            let at = std::iter::once(met.position.as_dvec3());
+            let light = list[column.0 as usize];
+            own -= light;
+            apart += light * glow.over(at).as_vec3();
+        }
+        own * self.pattern(met.patch, met.position) + apart
+    }
+
     /// Light as the mean of a bundle of paths. `start` tells where they begin, the unit normal there and
     /// what their irradiance counts for, given two numbers from 0 to 1.
     pub(super) fn light(
@@ -128,8 +143,7 @@ impl Lit<'_> {
                 let way = met.position - from;
                 let chance = by_chance(way, way.length(), normal, patch.normal);
                 let list = if met_so_far == 1 { self.emission } else { self.bouncing };
-                let light = list[met.patch] * self.pattern(met.patch, met.position);
-                light * self.lamps.share(met.patch, chance)
+                self.own(list, met) * self.lamps.share(met.patch, chance)
             };
             let meeting = self.meet(from, direction, random, |met, through| {
                 sum += share * through * given_off(met);

@@ -3,7 +3,7 @@
 
 use super::Sources;
 use crate::light::{DirectLight, Directions, StyleLight, strength};
-use crate::patch::Patch;
+use crate::patch::{Patch, PatchId};
 use crate::photometry::Exitance;
 use crate::scene::Sample;
 use glam::Vec3;
@@ -73,6 +73,7 @@ fn spread(
 /// 1 by as much as the light is spread out, and zero where none arrives or another patch looks for it.
 fn mean_directions(sources: Sources<'_>, exitance: &[Exitance]) -> Vec<Vec3> {
     let patches = &sources.patches.set.patches;
+    let overlay_of = sources.patches.set.overlay.as_deref();
     let strengths: Vec<f32> = exitance.iter().map(|m| strength(m.0)).collect();
     (0..sources.transfers.rows())
         .into_par_iter()
@@ -97,8 +98,10 @@ fn mean_directions(sources: Sources<'_>, exitance: &[Exitance]) -> Vec<Vec3> {
                     row.sort_by_key(|&(j, _)| j);
                     for of_patch in row.chunk_by(|a, b| a.0 == b.0) {
                         let share: Vec3 = of_patch.iter().map(|&(_, f)| f).sum();
-                        let j = of_patch[0].0;
-                        add(j, strength(exitance[j as usize].0 * share));
+                        let column = of_patch[0].0;
+                        let patch =
+                            overlay_of.map_or(PatchId(column), |o| o.patch_of(PatchId(column)));
+                        add(patch.0, strength(exitance[column as usize].0 * share));
                     }
                 }
             }

@@ -20,7 +20,7 @@ mod work;
 
 pub use detail::{Detail, Intervals};
 pub use lookup::{PatchGrid, PatchLookup, PolygonPatches};
-pub use overlay::{Overlay, Sheet, Tint, in_cone};
+pub use overlay::{Glow, Overlay, Sheet, Tint, in_cone};
 pub use pattern::Pattern;
 pub use subdivide::{Emission, MapPatches};
 pub use text_check::{MAX_HEMICUBE, MAX_IMAGE, MAX_REFLECTANCE};

@@ -11,10 +11,24 @@ pub struct Overlay {
     layers: Tracer,
     sheets: Vec<Sheet>,
     patterns: Vec<Option<Pattern>>,
+    /// By patch.
+    glows: Vec<Glow>,
+    /// Number of patches, if there are glows.
+    patches: usize,
     /// What looking through the polygons took so far.
     pub layer_work: Work,
     /// What looking at the patterns took so far.
     pub pattern_work: Work,
+}
+
+/// Light that a patch gives off by itself and that does not vary over it as its pattern does. It is counted
+/// with the patch as if it did; how it differs from that is counted as light of a column of its own
+/// beyond those of the patches.
+pub struct Glow {
+    /// The patch.
+    pub patch: PatchId,
+    /// How the light varies; `None` where it is the same all over.
+    pub pattern: Option<Pattern>,
 }
 
 /// What one translucent polygon does.
@@ -41,12 +55,25 @@ impl Overlay {
         sheets: Vec<Sheet>,
         patterns: Vec<Option<Pattern>>,
     ) -> Option<Self> {
+        Self::with_glows(polygons, sheets, patterns, (Vec::new(), 0))
+    }
+
+    /// The same with the light that some of so many patches give off by themselves, in their order.
+    pub fn with_glows(
+        polygons: Vec<Polygon>,
+        sheets: Vec<Sheet>,
+        patterns: Vec<Option<Pattern>>,
+        (glows, patches): (Vec<Glow>, usize),
+    ) -> Option<Self> {
         assert_eq!(polygons.len(), sheets.len(), "one sheet a polygon");
-        let changes = !polygons.is_empty() || patterns.iter().any(Option::is_some);
+        let varies = !glows.is_empty() || patterns.iter().any(Option::is_some);
+        let changes = !polygons.is_empty() || varies;
         changes.then(|| Self {
             layers: Tracer::new(polygons),
             sheets,
             patterns,
+            glows,
+            patches,
             layer_work: Work::default(),
             pattern_work: Work::default(),
         })
@@ -70,9 +97,27 @@ impl Overlay {
         &self.layers
     }
 
-    /// Whether some patch has a pattern.
+    /// Whether the light of some patch varies over it.
     pub fn has_patterns(&self) -> bool {
-        !self.patterns.is_empty()
+        !self.patterns.is_empty() || !self.glows.is_empty()
+    }
+
+    /// Columns of light beyond those of the patches.
+    pub fn glows(&self) -> &[Glow] {
+        &self.glows
+    }
+
+    /// The glows of a patch, each with its column.
+    pub fn glows_of(&self, patch: PatchId) -> impl Iterator<Item = (PatchId, &Glow)> {
+        let first = self.glows.partition_point(|glow| glow.patch < patch);
+        let own = self.glows[first..].iter().take_while(move |glow| glow.patch == patch);
+        own.enumerate().map(move |(k, glow)| (PatchId((self.patches + first + k) as u32), glow))
+    }
+
+    /// The patch that a column of light belongs to.
+    pub fn patch_of(&self, column: PatchId) -> PatchId {
+        let glow = (column.0 as usize).checked_sub(self.patches).and_then(|k| self.glows.get(k));
+        glow.map_or(column, |glow| glow.patch)
     }
 
     /// Whether patches of a polygon may have patterns: on maps all of a face have or none.
@@ -87,12 +132,14 @@ impl Overlay {
         }
     }
 
-    /// Whether a patch has a pattern.
+    /// Whether the light of a patch varies over it.
     pub fn varies(&self, patch: PatchId) -> bool {
         matches!(self.patterns.get(patch.0 as usize), Some(Some(_)))
+            || self.glows_of(patch).next().is_some()
     }
 
-    /// Light of `patch` at `point` over its mean, in each channel; `None` where it has no pattern.
+    /// Light of `patch` at `point` over its mean, in each channel, but for glows; `None` where it has no
+    /// pattern.
     pub fn pattern(&self, patch: PatchId, point: DVec3) -> Option<DVec3> {
         let pattern = self.patterns.get(patch.0 as usize)?.as_ref();
         pattern.map(|pattern| pattern.relative(point))
@@ -104,13 +151,7 @@ impl Overlay {
         patch: PatchId,
         points: impl Iterator<Item = DVec3>,
     ) -> Option<DVec3> {
-        let pattern = self.patterns.get(patch.0 as usize)?.as_ref()?;
-        let (mut sum, mut count) = (DVec3::ZERO, 0.0);
-        for point in points {
-            sum += pattern.factor(point);
-            count += 1.0;
-        }
-        (count > 0.0).then(|| pattern.over_mean(sum / count))
+        self.patterns.get(patch.0 as usize)?.as_ref()?.relative_over(points)
     }
 
     /// Share of each channel that passes through a polygon at `point`, looked at along `direction`.
@@ -205,6 +246,16 @@ fn meets_box(node: &Node, from: DVec3, way: DVec3) -> bool {
     let slack = 1e-9;
     let misses = enter.max(0.0) - slack > leave.min(1.0) + slack;
     !misses
+}
+
+impl Glow {
+    /// Light over its mean, over some points, in each channel.
+    pub fn over(&self, points: impl Iterator<Item = DVec3>) -> DVec3 {
+        self.pattern
+            .as_ref()
+            .and_then(|pattern| pattern.relative_over(points))
+            .unwrap_or(DVec3::ONE)
+    }
 }
 
 impl std::fmt::Debug for Overlay {

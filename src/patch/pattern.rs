@@ -1,4 +1,5 @@
-//! What varies over a patch: a shader laid out over a polygon, or the reflectance of a map's surface.
+//! What varies over a patch: a shader laid out over a polygon, or the reflectance of a map's surface or
+//! what it gives off by itself.
 
 use super::Shader;
 use crate::photometry::Reflectance;
@@ -21,6 +22,8 @@ enum Shows {
     Shader(Box<(Shader, [DVec4; 2])>),
     /// The reflectance of a surface; where its factor is 1, it is this.
     Surface(Arc<Shading>, Vec3),
+    /// The share and colour of what a surface gives off.
+    Glow(Arc<Shading>),
 }
 
 /// Points along each axis at which a pattern is looked up for its mean.
@@ -51,7 +54,12 @@ impl Pattern {
         Self { shows: Shows::Surface(shading, base.0), mean: mean.0.as_dvec3() }
     }
 
-    /// Factor of each channel at a point, 0 to 1; for surfaces of maps, their reflectance.
+    /// What a surface gives off by itself, over a patch where the mean of that is `mean`.
+    pub fn of_glow(shading: Arc<Shading>, mean: Vec3) -> Self {
+        Self { shows: Shows::Glow(shading), mean: mean.as_dvec3() }
+    }
+
+    /// Factor of each channel at a point, 0 to 1; for surfaces of maps, their reflectance or glow.
     pub fn factor(&self, p: DVec3) -> DVec3 {
         match &self.shows {
             Shows::Shader(laid_out) => {
@@ -60,7 +68,18 @@ impl Pattern {
                 shader.factor(s, t).into()
             }
             Shows::Surface(shading, base) => shading.reflectance(*base, p.as_vec3()).as_dvec3(),
+            Shows::Glow(shading) => shading.glow(p.as_vec3()).as_dvec3(),
         }
+    }
+
+    /// The mean of [`factor`](Self::factor) over some points, over that of the patch; `None` without points.
+    pub fn relative_over(&self, points: impl Iterator<Item = DVec3>) -> Option<DVec3> {
+        let (mut sum, mut count) = (DVec3::ZERO, 0.0);
+        for point in points {
+            sum += self.factor(point);
+            count += 1.0;
+        }
+        (count > 0.0).then(|| self.over_mean(sum / count))
     }
 
     /// The same over the mean.

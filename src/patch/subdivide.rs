@@ -7,14 +7,14 @@
 use super::blocks::{Block, FaceBlocks, LIFT};
 use super::spots::Spots;
 use super::{
-    Intervals, Overlay, Patch, PatchGrid, PatchId, PatchLookup, PatchSet, Pattern, PolygonPatches,
-    Sheet, Tint,
+    Glow, Intervals, Overlay, Patch, PatchGrid, PatchId, PatchLookup, PatchSet, Pattern,
+    PolygonPatches, Sheet, Tint,
 };
 use crate::photometry::{Exitance, Irradiance, Reflectance};
 use crate::scene::{Emitter, Sample, Scene, Surface, luxels};
 use glam::Vec3;
 use rayon::prelude::*;
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 /// Patches of a map.
@@ -46,7 +46,7 @@ pub struct MapPatches {
 pub struct Emission {
     /// The light style.
     pub style: u16,
-    /// One entry a patch.
+    /// One entry a patch, and then one for each glow of the overlay.
     pub exitance: Vec<Exitance>,
     /// What counts of it where its light bounces: `exitance` with the `bouncescale` of the lights.
     pub bouncing: Vec<Exitance>,
@@ -94,24 +94,55 @@ impl MapPatches {
         let sheets = panes.into_iter().map(sheet).collect();
         patches.set.passages = patches.passages(scene);
         let patterns = patches.patterns(scene);
-        patches.set.overlay = Overlay::new(polygons, sheets, patterns).map(Arc::new);
+        let glows = (patches.glows(scene, &patterns), patches.set.patches.len());
+        patches.set.overlay = Overlay::with_glows(polygons, sheets, patterns, glows).map(Arc::new);
         patches
     }
 
-    /// How patches reflect whose surfaces do so unevenly; empty if none does. Those that give off light of
-    /// another kind too are taken as even: that light has no such pattern.
+    /// How patches reflect whose surfaces do so unevenly; empty if none does. What comes through from the
+    /// other side has no pattern: patches of which that holds are taken as even.
     fn patterns(&self, scene: &Scene) -> Vec<Option<Pattern>> {
         if self.patterned == 0 {
             return Vec::new();
         }
-        let shining: BTreeSet<u32> = scene.emitters.iter().map(|e| e.surface).collect();
         let of = |(patch, &index): (&Patch, &u32)| {
             let surface = &scene.surfaces[index as usize];
-            let alone = surface.diffuse.is_none() && !shining.contains(&index);
-            let shading = scene.uneven(index as usize).filter(|_| alone && surface.reflects)?;
+            let seen = surface.diffuse.is_none() && surface.reflects;
+            let shading = scene.uneven(index as usize).filter(|_| seen)?;
             Some(Pattern::of_surface(shading.clone(), surface.reflectance, patch.reflectance))
         };
         self.set.patches.iter().zip(&self.surface).map(of).collect()
+    }
+
+    /// What patches give off by themselves that is spread otherwise than what they reflect.
+    fn glows(&self, scene: &Scene, patterns: &[Option<Pattern>]) -> Vec<Glow> {
+        let mut glows = Vec::new();
+        let shining: BTreeMap<u32, Vec<bool>> =
+            scene.emitters.iter().fold(BTreeMap::new(), |mut of, e| {
+                of.entry(e.surface).or_insert_with(Vec::new).push(e.varied);
+                of
+            });
+        for (&surface, varied) in &shining {
+            let shading = scene.shading(surface as usize);
+            let Some(shading) = shading.filter(|_| scene.surfaces[surface as usize].reflects)
+            else {
+                continue;
+            };
+            for i in self.first[surface as usize]..self.first[surface as usize + 1] {
+                let (patch, mean) = (PatchId(i), self.glow.get(i as usize).copied());
+                let texels = varied.contains(&true) && shading.glows_unevenly();
+                if let Some(mean) = mean.filter(|&m| texels && m != Vec3::ZERO) {
+                    let pattern = Some(Pattern::of_glow(shading.clone(), mean));
+                    glows.push(Glow { patch, pattern });
+                }
+                let reflects = matches!(patterns.get(i as usize), Some(Some(_)));
+                if varied.contains(&false) && reflects {
+                    glows.push(Glow { patch, pattern: None });
+                }
+            }
+        }
+        glows.sort_by_key(|glow| glow.patch);
+        glows
     }
 
     /// Appends the patches of a face and completes its grid with their numbers.
@@ -169,9 +200,11 @@ impl MapPatches {
     /// What each patch emits, by light style.
     pub fn emission(&self, emitters: &[Emitter]) -> Vec<Emission> {
         let mut styles: Vec<Emission> = Vec::new();
+        let overlay = self.set.overlay.as_deref();
+        let columns = self.surface.len() + overlay.map_or(0, |o| o.glows().len());
         for e in emitters {
             let i = styles.iter().position(|s| s.style == e.style).unwrap_or_else(|| {
-                let exitance = vec![Exitance::ZERO; self.surface.len()];
+                let exitance = vec![Exitance::ZERO; columns];
                 styles.push(Emission { style: e.style, bouncing: exitance.clone(), exitance });
                 styles.len() - 1
             });
@@ -180,8 +213,13 @@ impl MapPatches {
                 let patch = patch as usize;
                 let share = if e.varied { self.glow.get(patch) } else { None };
                 let exitance = share.map_or(e.exitance, |&share| Exitance(e.exitance.0 * share));
-                styles[i].exitance[patch] += exitance;
-                styles[i].bouncing[patch] += exitance * e.bounce_scale;
+                let id = PatchId(patch as u32);
+                let glows = overlay.into_iter().flat_map(|o| o.glows_of(id));
+                let own = glows.filter(|(_, glow)| glow.pattern.is_some() == e.varied);
+                for column in std::iter::once(id).chain(own.map(|(column, _)| column)) {
+                    styles[i].exitance[column.0 as usize] += exitance;
+                    styles[i].bouncing[column.0 as usize] += exitance * e.bounce_scale;
+                }
             }
         }
         styles

@@ -16,7 +16,7 @@ use std::collections::BTreeSet;
 pub struct PatchLight {
     /// The light style.
     pub style: u16,
-    /// Final exitance of each patch.
+    /// Final exitance of each patch, and then of each glow of the overlay.
     pub exitance: Vec<Exitance>,
     /// Indirect irradiance of each patch: what it receives from that exitance.
     pub irradiance: Vec<Irradiance>,
@@ -109,7 +109,8 @@ impl<'a> Start<'a> {
     ) -> Self {
         let luxels = luxels_of(direct, style);
         let of_lights = patches.mean_irradiance(&luxels);
-        let dark = Cow::Owned(vec![Exitance::ZERO; of_lights.len()]);
+        let glows = patches.set.overlay.as_deref().map_or(0, |overlay| overlay.glows().len());
+        let dark = Cow::Owned(vec![Exitance::ZERO; of_lights.len() + glows]);
         let mut start = Self {
             style,
             luxels,

@@ -40,7 +40,8 @@ pub(super) struct Shown<'a> {
 impl<'a> OverlayView<'a> {
     /// `None` where the patches have no overlay.
     pub fn new(patches: &'a PatchSet) -> Option<Self> {
-        let count = patches.patches.len();
+        let glows = patches.overlay.as_deref().map_or(0, |o| o.glows().len());
+        let count = patches.patches.len() + glows;
         let varied = |overlay: &Overlay| {
             let all = patches.lookup.polygons().iter().filter(|_| overlay.has_patterns());
             all.map(|polygon| overlay.may_vary(polygon)).collect()
@@ -56,7 +57,7 @@ impl<'a> OverlayView<'a> {
     }
 
     /// To be added to the form factors from the point last looked from, by ascending patch: positive for
-    /// translucent patches, negative for those behind them.
+    /// translucent patches, negative for those behind them. Glows come after the patches.
     pub fn row(&self) -> &[(PatchId, DVec3)] {
         &self.row
     }
@@ -106,7 +107,7 @@ impl<'a> OverlayView<'a> {
 
     /// Cells that show patches with patterns. Returns how many.
     fn add_patterns(&mut self, shown: Shown<'_>, view: &View) -> u64 {
-        let (size, mut found) = (shown.buffer.size(), 0);
+        let (overlay, size, mut found) = (self.overlay, shown.buffer.size(), 0);
         shown.buffer.for_each_row(|cells| {
             for (k, (&item, &nearness)) in cells.items.iter().zip(cells.nearness).enumerate() {
                 if item == Cells::NOTHING || !self.varied[item as usize] {
@@ -115,13 +116,20 @@ impl<'a> OverlayView<'a> {
                 let x = cells.x + k as u32;
                 let point = eye_point(view, size, (cells.side, x, cells.y), nearness);
                 let Some(patch) = patch_at(shown, view, item, point) else { continue };
-                let points = points_of_cell(shown, view, (cells.side, x, cells.y), item);
-                if let Some(share) = self.overlay.pattern_over(patch, points) {
+                let points = || points_of_cell(shown, view, (cells.side, x, cells.y), item);
+                let f = || {
                     let at = (cells.y * size.width() + x) as usize;
-                    let f = f64::from(shown.delta.of(cells.side)[at]);
-                    self.add(patch, (share - DVec3::ONE) * f);
-                    found += 1;
+                    f64::from(shown.delta.of(cells.side)[at])
+                };
+                let share = overlay.pattern_over(patch, points());
+                if let Some(share) = share {
+                    self.add(patch, (share - DVec3::ONE) * f());
                 }
+                let share = share.unwrap_or(DVec3::ONE);
+                for (column, glow) in overlay.glows_of(patch) {
+                    self.add(column, (glow.over(points()) - share) * f());
+                }
+                found += 1;
             }
         });
         found
@@ -151,6 +159,11 @@ impl<'a> OverlayView<'a> {
         if let Some(patch) = patch_at(shown, view, item, point) {
             let pattern = self.overlay.pattern(patch, point).unwrap_or(DVec3::ONE);
             self.add(patch, (share - DVec3::ONE) * pattern * f);
+            let overlay = self.overlay;
+            for (column, glow) in overlay.glows_of(patch) {
+                let own = glow.over(std::iter::once(point));
+                self.add(column, (share - DVec3::ONE) * (own - pattern) * f);
+            }
         }
     }
 }

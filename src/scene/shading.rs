@@ -23,6 +23,8 @@ pub struct Shading {
     mean: Vec3,
     /// Colours are left out: switched off.
     grey: bool,
+    /// What shines does so alike all over a patch: switched off.
+    even: bool,
 }
 
 impl Shading {
@@ -42,12 +44,14 @@ impl Shading {
             offset,
             mean,
             grey: false,
+            even: false,
         })
     }
 
-    /// The reflectance is the same all over.
+    /// The reflectance is the same all over, and what shines is so over each patch.
     pub(super) fn make_even(&mut self) {
         self.modifier = None;
+        self.even = true;
     }
 
     /// All channels vary alike.
@@ -58,6 +62,11 @@ impl Shading {
     /// Whether the reflectance varies.
     pub fn is_uneven(&self) -> bool {
         self.modifier.is_some()
+    }
+
+    /// Whether what shines varies.
+    pub fn glows_unevenly(&self) -> bool {
+        self.emission.is_some() && !self.even
     }
 
     /// Whether it may bring colour to surfaces without.
@@ -115,7 +124,7 @@ impl Shading {
     }
 
     /// Share of the emission at a world point, with the colour of the texel.
-    fn glow(&self, point: Vec3) -> Vec3 {
+    pub fn glow(&self, point: Vec3) -> Vec3 {
         let Some(emission) = &self.emission else { return Vec3::ZERO };
         let [s, t] = self.texture_at(point);
         let Some(texels) = &self.texels else { return Vec3::ZERO };
@@ -128,7 +137,8 @@ impl Shading {
 }
 
 impl Scene {
-    fn shading(&self, surface: usize) -> Option<&Arc<Shading>> {
+    /// How a surface varies; `None` where it does not.
+    pub fn shading(&self, surface: usize) -> Option<&Arc<Shading>> {
         self.shadings.get(surface)?.as_ref().filter(|_| COMPILED)
     }
 

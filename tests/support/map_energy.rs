@@ -107,7 +107,7 @@ fn style(map: &Prepared, seen: &Transfers, lit: &Lit, light: &PatchLight) -> (f6
     let emission = map.patches.emission(&map.scene.emitters);
     let emission = emission.iter().find(|e| e.style == light.style);
     let (mut arriving, mut sums) = (Vec::new(), Vec::new());
-    for i in 0..m.len() {
+    for i in 0..set.patches.len() {
         arriving.push(row(&map.transfers, i).map(|(j, f)| m[j] * f).sum::<DVec3>());
         sums.push(row(seen, i).map(|(_, f)| f).sum::<DVec3>());
     }

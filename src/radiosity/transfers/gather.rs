@@ -21,7 +21,7 @@ impl Transfers {
     }
 
     /// The same for many lists of exitance of `C` channels, 1 to 3. Each comes out as if it were alone;
-    /// rows are read once for several.
+    /// rows are read once for several. Glows of the overlay come after the patches; without them, they are dark.
     pub fn gather_all<const C: usize>(&self, exitance: &[&[[f64; C]]]) -> Vec<Vec<[f64; C]>> {
         let some = |lists: &[&[[f64; C]]]| match *lists {
             [] => Vec::new(),
@@ -38,8 +38,12 @@ impl Transfers {
         lists: [&[[f64; C]]; S],
     ) -> Vec<Vec<[f64; C]>> {
         // Side by side in memory, as they are read.
-        let side_by_side = (0..self.rows()).into_par_iter().with_min_len(PIECE);
-        let light: Vec<[[f64; C]; S]> = side_by_side.map(|j| lists.map(|list| list[j])).collect();
+        let glows = self.overlay.as_deref().map_or(0, |overlay| overlay.glows().len());
+        let columns = self.rows() + glows;
+        let side_by_side = (0..columns).into_par_iter().with_min_len(PIECE);
+        let of = |list: &[[f64; C]], j: usize| list.get(j).copied().unwrap_or([0.0; C]);
+        let light: Vec<[[f64; C]; S]> =
+            side_by_side.map(|j| lists.map(|list| of(list, j))).collect();
         let rows: Vec<Vec<[[f64; C]; S]>> = self
             .chunks
             .par_iter()

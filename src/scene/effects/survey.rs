@@ -6,11 +6,12 @@ use crate::Result;
 use crate::light::{Reaches, reaches};
 use crate::lightmap::Gather;
 use crate::outputs::LitFile;
-use crate::scene::{AutoMinlight, Role, Scene, Surface};
+use crate::scene::{AutoMinlight, Role, Scene, Shading, Surface};
 use crate::settings::Settings;
 use clap::ValueEnum;
 use glam::Vec3;
 use std::collections::BTreeSet;
+use std::sync::Arc;
 
 /// What is found on or off, and why.
 type Finding = (bool, String);
@@ -287,10 +288,11 @@ impl Survey<'_> {
 
     fn shaders(&self) -> Finding {
         let Scene { surfaces, shadings, names, .. } = self.scene;
-        let uneven = |i: &usize| shadings[*i].as_ref().is_some_and(|s| s.is_uneven());
+        let varies = |s: &Arc<Shading>| s.is_uneven() || s.glows_unevenly();
+        let uneven = |i: &usize| shadings[*i].as_ref().is_some_and(varies);
         let own = (0..shadings.len()).filter(uneven);
         let places = own.map(|i| format!("{} on {}", place(middle(&surfaces[i])), names[i]));
-        counted(places, "faces of uneven reflectance", "every face reflects alike all over")
+        counted(places, "faces with patterns", "every face reflects and shines alike all over")
     }
 
     fn bounces(&self) -> Finding {
