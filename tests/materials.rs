@@ -277,7 +277,7 @@ fn patterns_are_seen_where_they_are() {
 #[test]
 fn texels_shine_where_they_are() {
     // Tiles of 64 texels; the first is bright.
-    let bright = |k: usize| (k % 128 / 64 + k / 128 / 64) % 2 == 0;
+    let bright = |k: usize| (k % 128 / 64 + k / 128 / 64).is_multiple_of(2);
     let pixels: Vec<u8> = (0..128 * 128).map(|k| if bright(k) { 12 } else { 254 }).collect();
     let (map, settings) = tiled_room(|map| map.texture("tiles", 128, 128, pixels.clone()));
     let map = map.entities(entity("worldspawn", &[]));
