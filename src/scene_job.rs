@@ -76,7 +76,7 @@ pub fn run(cli: &Cli, path: &Path, visible: bool, writing: &Mutex<()>) -> anyhow
     let checked = if cli.accuracy.no_check {
         (None, None)
     } else {
-        let end = progress.deadline(check::end(progress.elapsed(), check::SHARE, check::LEAST));
+        let end = progress.deadline(check::end(progress.elapsed(), check::SHARE));
         let _stage = progress.stage("check", 1);
         check::check_patches(&scene, &transfers, &solution, end)
     };

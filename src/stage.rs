@@ -1,6 +1,5 @@
 //! The stages of a map run: each calls one room, over all faces, and shows its progress.
 
-use crate::aim::Aim;
 use crate::bsp::BspxLump;
 use crate::cache::Key;
 use crate::check::{self, Energy, Findings};
@@ -295,12 +294,7 @@ pub(crate) fn check(
     if !settings.check || sources.light.is_empty() {
         return (None, None);
     }
-    // Where a time or an error is aimed at, it counts in what was predicted.
-    let least = match settings.aim {
-        Aim::Settings => check::LEAST_ON_MAPS,
-        Aim::Error(_) | Aim::Time(_) => check::LEAST,
-    };
-    let end = progress.deadline(check::end(progress.elapsed(), settings.check_share, least));
+    let end = progress.deadline(check::end(progress.elapsed(), settings.check_share));
     let _stage = progress.stage("check", 1);
     let run = check::Run {
         sources,

@@ -40,9 +40,7 @@ const PATHS: [u32; 2] = [64, 4096];
 /// Share of a run's time that its check may take.
 pub const SHARE: f64 = 0.03;
 /// Seconds that a check may take after the shortest run.
-pub const LEAST: f64 = 0.005;
-/// The same on maps, where a few luxels say nothing of the error and a few dozen take so long.
-pub const LEAST_ON_MAPS: f64 = 0.1;
+const LEAST: f64 = 0.005;
 
 /// Where light is checked: points with the light that the run found there, and how it is found again.
 pub trait Points: Sync {
@@ -77,10 +75,9 @@ pub struct Again {
     pub rays: Vec3,
 }
 
-/// When a check is to end that begins after a run of some length: it may take a share of that, and `least`
-/// seconds in any case.
-pub fn end(run: Duration, share: f64, least: f64) -> Duration {
-    run + Duration::from_secs_f64((run.as_secs_f64() * share).max(least))
+/// When a check is to end that begins after a run of some length: it may take a share of that.
+pub fn end(run: Duration, share: f64) -> Duration {
+    run + Duration::from_secs_f64((run.as_secs_f64() * share).max(LEAST))
 }
 
 /// Lights as many points again as the time until `end` allows, chosen and lit by fixed sequences: the
