@@ -15,7 +15,7 @@ use std::time::{SystemTime, UNIX_EPOCH};
 /// Ending of the files.
 const EXTENSION: &str = "qradcache";
 /// First bytes of each, with the version of what follows.
-const MAGIC: &[u8; 16] = b"qrad transfers 3";
+const MAGIC: &[u8; 16] = b"qrad transfers 4";
 /// Bytes of a digest.
 const DIGEST: usize = blake3::OUT_LEN;
 /// The most files that a folder keeps: the oldest go.

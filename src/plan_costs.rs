@@ -16,13 +16,8 @@ use std::time::Duration;
 /// Effects of what light comes through or is sent back by unevenly, while it bounces.
 const THROUGH: [Effect; 3] = [Effect::Glass, Effect::Curtains, Effect::Shaders];
 
-/// The most bytes of a stored form factor and its column.
-const FACTOR_BYTES: f64 = 6.0;
-
-/// Bytes that so many form factors take, about.
-pub(crate) fn factor_bytes(count: usize) -> u64 {
-    (count as f64 * FACTOR_BYTES) as u64
-}
+/// Bytes of a stored form factor of a map, with its column and its share of what rows take besides.
+const FACTOR_BYTES: f64 = 4.1;
 
 /// Seconds of the stages of these names.
 pub(crate) fn seconds_of(stages: &[(&'static str, Duration)], names: &[&str]) -> f64 {
@@ -93,7 +88,7 @@ pub fn measured(
     let mut bounced = [
         Cost {
             cells: counts.hemicubes[0] * cells,
-            bytes: factor_bytes(counts.transfers),
+            bytes: counts.transfer_bytes,
             seconds: seconds(&["patches", "form factors", "bounces"]),
             rays: 0,
         },

@@ -34,6 +34,8 @@ pub struct Counts {
     pub hemicubes: [u64; 2],
     /// Form factors stored.
     pub transfers: usize,
+    /// Bytes that they take, without what an overlay adds.
+    pub transfer_bytes: u64,
     /// Patches that light comes through diffusely.
     pub passages: usize,
     /// Patches whose reflectance varies within their face.
@@ -81,6 +83,7 @@ impl Counts {
             rays,
             hemicubes: [transfers.drawn(), gathered.hemicubes],
             transfers: transfers.len(),
+            transfer_bytes: transfers.bytes(),
             passages: patches.set.passages.len(),
             patterned: patches.patterned,
             overlay: transfers.overlay_costs(),

@@ -142,7 +142,7 @@ pub fn measure(
     let seconds = |names: &[&str]| plan_costs::seconds_of(stages, names);
     let bounces = Cost {
         cells: transfers.drawn() * cells(scene) / transfers.rows().max(1) as u64,
-        bytes: plan_costs::factor_bytes(transfers.len()),
+        bytes: transfers.bytes(),
         seconds: seconds(&["form factors", "passes"]),
         rays: 0,
     };

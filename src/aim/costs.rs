@@ -27,8 +27,8 @@ const OWN: f64 = 0.72;
 const PASS: f64 = 1.5e-9;
 /// Passes until light has settled, about.
 const PASSES: f64 = 10.0;
-/// Bytes of a form factor.
-const FACTOR_BYTES: f64 = 6.5;
+/// Bytes of a form factor, with room for lists that grow.
+const FACTOR_BYTES: f64 = 4.5;
 /// Bytes of a luxel in all that is kept for it.
 const LUXEL_BYTES: f64 = 220.0;
 

@@ -68,8 +68,8 @@ impl Intervals {
 
 impl MapPatches {
     /// How the light that patches reflect varies over them: reflectance, where it varies that of the
-    /// interval, times the difference of an interval's direct irradiance from the mean of its patch. `luxels` is the direct light of each
-    /// surface (empty for none), `mean` that of each patch.
+    /// interval, times the difference of an interval's direct irradiance from the mean of its patch.
+    /// `luxels` is the direct light of each surface (empty for none), `mean` that of each patch.
     pub fn detail(&self, luxels: &[&[Irradiance]], mean: &[Irradiance]) -> Detail {
         luxels
             .par_iter()

@@ -53,7 +53,8 @@ pub struct Solution {
 
 /// Sends the light on, pass by pass. With a limit of passes, what a patch reflects in one is what it sends
 /// in the next; without, a pass sends a mixture of what is left and what the one before it sent. Sums run
-/// in a fixed order in double precision, so the bytes do not depend on the number of threads. `reflectance` below 1 makes it converge.
+/// in a fixed order in double precision, so the bytes do not depend on the number of threads. It converges
+/// where `reflectance` is below 1.
 pub fn solve(
     transfers: &Transfers,
     reflectance: &[Reflectance],

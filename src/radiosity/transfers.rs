@@ -5,11 +5,13 @@ mod estimate;
 mod gather;
 mod gatherer;
 mod rows;
+mod weights;
 
 pub(super) use gather::AT_A_TIME;
 pub use gatherer::{Distances, Gatherer, Interval};
 
-use self::rows::Chunk;
+use self::rows::{Chunk, Found};
+use self::weights::Precision;
 use super::hemicube::{DeltaFormFactors, HemicubeSize, View};
 use super::near_pairs::NearPairs;
 use crate::patch::{Overlay, PatchId, PatchSet};
@@ -37,6 +39,7 @@ pub struct Transfers {
     /// The patch at whose eye that row was drawn.
     drawn_at: Vec<u32>,
     drawn: u64,
+    precision: Precision,
     /// What changes light on its way; `None` where nothing does.
     overlay: Option<Arc<Overlay>>,
 }
@@ -62,7 +65,7 @@ impl Transfers {
         advance: impl Fn(u64) + Sync,
     ) -> Self {
         let all: Vec<u32> = (0..patches.patches.len() as u32).collect();
-        let mut transfers = Self::undrawn(all.len());
+        let mut transfers = Self::undrawn(all.len(), Precision::Single);
         let goes_on = |n| {
             advance(n);
             true
@@ -103,7 +106,7 @@ impl Transfers {
         };
         let all = 0..leaders.len() as u32;
         let (first, rest): (Vec<u32>, Vec<u32>) = all.partition(|&i| leaders[i as usize] == i);
-        let mut transfers = Self::undrawn(leaders.len());
+        let mut transfers = Self::undrawn(leaders.len(), Precision::Short);
         draw(&mut transfers, &first)?;
         let alone: Vec<u32> = rest
             .par_iter()
@@ -130,8 +133,9 @@ impl Transfers {
     }
 
     /// For `count` patches whose rows are still to be drawn.
-    fn undrawn(count: usize) -> Self {
-        Self { row_of: vec![0; count], drawn_at: vec![0; count], ..Self::default() }
+    fn undrawn(count: usize, precision: Precision) -> Self {
+        let [row_of, drawn_at] = [vec![0; count], vec![0; count]];
+        Self { row_of, drawn_at, precision, ..Self::default() }
     }
 
     /// Draws hemicubes at these patches while it `goes_on`.
@@ -150,21 +154,20 @@ impl Transfers {
         }
         self.drawn += members.len() as u64;
         self.overlay.clone_from(&patches.overlay);
-        let delta = DeltaFormFactors::new(size);
+        let (delta, precision) = (DeltaFormFactors::new(size), self.precision);
         let drawn: Option<Vec<Chunk>> = members
             .par_chunks(CHUNK)
             .map_init(
                 || Gatherer::new(tracer, patches, &delta, size),
                 |gatherer, members| {
-                    let mut rows = Chunk::default();
+                    let (mut rows, mut overlay) = (Found::new(precision), Vec::new());
                     for &i in members {
                         let patch = &patches.patches[i as usize];
                         gatherer.look(&View::turned(patch.eye, patch.normal, i.into()));
                         rows.push(gatherer.row(), gatherer.distances());
-                        rows.overlay.extend(gatherer.overlay_row());
+                        overlay.extend(gatherer.overlay_row());
                     }
-                    rows.columns.shrink_to_fit();
-                    rows.weights.shrink_to_fit();
+                    let rows = Chunk { overlay, ..rows.keep() };
                     goes_on(members.len() as u64).then_some(rows)
                 },
             )
@@ -185,7 +188,7 @@ impl Transfers {
         advance: impl Fn(u64) + Sync,
     ) {
         let size = size.coarser();
-        let delta = DeltaFormFactors::new(size);
+        let (delta, precision) = (DeltaFormFactors::new(size), self.precision);
         let start = || {
             (
                 near.work(),
@@ -196,15 +199,15 @@ impl Transfers {
         self.chunks.par_iter_mut().enumerate().for_each_init(
             start,
             |(work, gatherer, row), (number, chunk)| {
-                let mut old = std::mem::take(chunk);
-                chunk.overlay = std::mem::take(&mut old.overlay);
-                for k in 0..old.ends.len() {
+                let mut rows = Found::new(precision);
+                for (k, &distances) in chunk.distances.iter().enumerate() {
                     row.clear();
-                    row.extend(old.entries(k).map(|(j, f)| (PatchId(j), f64::from(f))));
+                    row.extend(chunk.entries(k).map(|(j, f)| (PatchId(j), f64::from(f))));
                     near.improve(number * CHUNK + k, row, work, gatherer);
-                    chunk.push(row, old.distances[k]);
+                    rows.push(row, distances);
                 }
-                advance(old.ends.len() as u64);
+                *chunk = Chunk { overlay: std::mem::take(&mut chunk.overlay), ..rows.keep() };
+                advance(chunk.rows() as u64);
             },
         );
     }
@@ -216,7 +219,7 @@ impl Transfers {
 
     /// Number of rows that are stored: fewer where patches share them.
     pub fn stored(&self) -> usize {
-        self.chunks.iter().map(|c| c.ends.len()).sum()
+        self.chunks.iter().map(Chunk::rows).sum()
     }
 
     /// Number of hemicubes drawn for them: none where they come from bytes.
@@ -226,12 +229,19 @@ impl Transfers {
 
     /// Number of form factors stored.
     pub fn len(&self) -> usize {
-        self.chunks.iter().map(|c| c.weights.len()).sum()
+        self.chunks.iter().map(Chunk::len).sum()
+    }
+
+    /// Bytes that form factors take with their columns and all that rows take besides, without what an
+    /// overlay adds.
+    pub fn bytes(&self) -> u64 {
+        let of_patches = 2 * size_of::<u32>() * self.rows();
+        (of_patches + self.chunks.iter().map(Chunk::bytes).sum::<usize>()) as u64
     }
 
     /// Whether no patch sees another.
     pub fn is_empty(&self) -> bool {
-        self.len() == 0
+        self.chunks.iter().all(|c| c.len() == 0)
     }
 
     /// What patch `row` sees: patch indices, ascending, and their form factors.
@@ -261,7 +271,7 @@ impl Transfers {
         assert_eq!(rows.len(), self.stored(), "one entry a row");
         let mut rows = rows.into_iter();
         for chunk in &mut self.chunks {
-            chunk.overlay = rows.by_ref().take(chunk.ends.len()).collect();
+            chunk.overlay = rows.by_ref().take(chunk.rows()).collect();
         }
     }
 
@@ -269,9 +279,7 @@ impl Transfers {
     #[cfg(test)]
     pub(crate) fn clear_row(&mut self, row: usize) {
         let at = self.row_of[row] as usize;
-        let (chunk, i) = (&mut self.chunks[at / CHUNK], at % CHUNK);
-        let from = if i == 0 { 0 } else { chunk.ends[i - 1] as usize };
-        chunk.weights[from..chunk.ends[i] as usize].fill(0.0);
+        self.chunks[at / CHUNK].clear_row(at % CHUNK);
     }
 
     /// The same, pair by pair.

@@ -8,9 +8,9 @@ use crate::scene::Tracer;
 /// Rows drawn for an estimate.
 const ROWS: usize = 64;
 /// The most bytes of a stored form factor and its column; rows of many patches beside each other take fewer.
-const ENTRY: f64 = 6.0;
+const ENTRY: f64 = 4.0;
 /// Bytes that a row takes besides.
-const ROW: f64 = 16.0;
+const ROW: f64 = 12.0;
 
 impl Transfers {
     /// Bytes that [`shared`](Self::shared) transfers will take, from the rows of some leaders: how many

@@ -1,6 +1,7 @@
 //! Light over rows of form factors: what patches receive of each other.
 
-use super::rows::{Chunk, Columns, pages};
+use super::rows::{BLOCK, Chunk, PAGE, Tile, part};
+use super::weights::{Weight, Weights};
 use super::{CHUNK, Transfers};
 use crate::scene::effects::COMPILED;
 use glam::{DVec3, Vec3};
@@ -40,16 +41,15 @@ impl Transfers {
         // Side by side in memory, as they are read.
         let glows = self.overlay.as_deref().map_or(0, |overlay| overlay.glows().len());
         let columns = self.rows() + glows;
-        let side_by_side = (0..columns).into_par_iter().with_min_len(PIECE);
+        let mut light = vec![[[0.0; C]; S]; padded(columns)];
         let of = |list: &[[f64; C]], j: usize| list.get(j).copied().unwrap_or([0.0; C]);
-        let light: Vec<[[f64; C]; S]> =
-            side_by_side.map(|j| lists.map(|list| of(list, j))).collect();
+        let known = light[..columns].par_iter_mut().enumerate().with_min_len(PIECE);
+        known.for_each(|(j, light)| *light = lists.map(|list| of(list, j)));
         let rows: Vec<Vec<[[f64; C]; S]>> = self
             .chunks
             .par_iter()
             .map(|chunk| {
-                let mut rows: Vec<_> =
-                    (0..chunk.ends.len()).map(|i| chunk.sum(i, &light)).collect();
+                let mut rows = chunk.sums(&light);
                 let overlay = if COMPILED { &chunk.overlay[..] } else { &[] };
                 for (sum, row) in rows.iter_mut().zip(overlay) {
                     add(sum, &overlay_sum(row, &light));
@@ -68,60 +68,118 @@ impl Transfers {
     }
 }
 
+/// How much light lists of so many columns are made to hold: whole blocks; whole pages where that is no more
+/// than four times as much, as no column of a page has to be checked then.
+fn padded(patches: usize) -> usize {
+    let pages = patches.next_multiple_of(PAGE);
+    if pages <= 4 * patches { pages } else { patches.next_multiple_of(BLOCK) }
+}
+
 impl Chunk {
-    /// Sum of weight times light over a row.
-    pub(super) fn sum<const C: usize, const S: usize>(
+    /// Sums of weight times light over each row. `light` is as long as [`padded`] says.
+    pub(super) fn sums<const C: usize, const S: usize>(
         &self,
-        i: usize,
         light: &[[[f64; C]; S]],
-    ) -> [[f64; C]; S] {
-        let (columns, mut weights) = self.row(i);
-        // Several sums at a time: each addition would wait for the one before.
-        let mut sums = [[[0.0; C]; S]; 4];
-        match columns {
-            Columns::Runs(runs) => {
-                let mut column = 0;
-                for &[skip, length] in runs {
-                    let (first, length) = (column + usize::from(skip), usize::from(length));
-                    column = first + length;
-                    let (own, rest) = weights.split_at(length);
-                    weights = rest;
-                    add_products(&mut sums, own, &light[first..column], |light| light);
-                }
+    ) -> Vec<[[f64; C]; S]> {
+        let mut sums = vec![[[0.0; C]; S]; self.rows()];
+        for (tile, light) in self.tiles.iter().zip(light.chunks(self.width())) {
+            match &tile.weights {
+                Weights::Single(weights) => tile.add_sums(weights, light, &mut sums),
+                Weights::Short(weights) => tile.add_sums(weights, light, &mut sums),
             }
-            Columns::Pages { low, begins } => {
-                for (page, entries) in pages(low.len(), begins).enumerate() {
-                    let light = &light[page << 16..];
-                    let of = |low: &u16| &light[usize::from(*low)];
-                    add_products(&mut sums, &weights[entries.clone()], &low[entries], of);
+        }
+        sums
+    }
+}
+
+impl Tile {
+    /// Adds the sums over the part of each row in this tile; `light` begins where it does.
+    fn add_sums<W: Weight, const C: usize, const S: usize>(
+        &self,
+        weights: &[W],
+        light: &[[[f64; C]; S]],
+        sums: &mut [[[f64; C]; S]],
+    ) {
+        let page: Option<&[_; PAGE]> = light.try_into().ok();
+        for (i, sum) in sums.iter_mut().enumerate() {
+            let range = part(&self.ends, i);
+            let weights = &weights[range.clone()];
+            let mut parts = Parts::default();
+            if self.run_ends.is_empty() {
+                let columns = &self.columns[range];
+                match page {
+                    Some(light) => parts.add_columns(weights, columns, |j| &light[usize::from(j)]),
+                    None => parts.add_columns(weights, columns, |j| &light[usize::from(j)]),
+                }
+            } else {
+                parts.add_blocks(weights, self.runs(i), light.as_chunks().0);
+            }
+            add(sum, &parts.sum().map(|s| s.map(|s| s * W::SCALE)));
+        }
+    }
+}
+
+/// Several sums at a time: each addition would wait for the one before.
+struct Parts<const C: usize, const S: usize>([[[f64; C]; S]; PARTS]);
+
+/// More would not fit into a processor's registers with three channels.
+const PARTS: usize = 4;
+
+impl<const C: usize, const S: usize> Default for Parts<C, S> {
+    fn default() -> Self {
+        Self([[[0.0; C]; S]; PARTS])
+    }
+}
+
+impl<const C: usize, const S: usize> Parts<C, S> {
+    /// Adds weights times the light of as many columns.
+    #[inline]
+    fn add_columns<'a, W: Weight>(
+        &mut self,
+        weights: &[W],
+        columns: &[u16],
+        light: impl Fn(u16) -> &'a [[f64; C]; S],
+    ) {
+        let (columns, last) = columns.as_chunks::<PARTS>();
+        let (weights, own_last) = weights.as_chunks::<PARTS>();
+        for (columns, weights) in columns.iter().zip(weights) {
+            for k in 0..PARTS {
+                add_scaled(&mut self.0[k], light(columns[k]), weights[k]);
+            }
+        }
+        for (&column, &weight) in last.iter().zip(own_last) {
+            add_scaled(&mut self.0[0], light(column), weight);
+        }
+    }
+
+    /// Adds weights times the light of runs of blocks.
+    #[inline]
+    fn add_blocks<W: Weight>(
+        &mut self,
+        weights: &[W],
+        runs: &[[u16; 2]],
+        light: &[[[[f64; C]; S]; BLOCK]],
+    ) {
+        let (mut weights, _) = weights.as_chunks::<BLOCK>();
+        let mut light = light;
+        for &[skip, count] in runs {
+            let (own, rest) = weights.split_at(count.into());
+            let (blocks, beyond) = light[usize::from(skip)..].split_at(count.into());
+            (weights, light) = (rest, beyond);
+            for (weights, light) in own.iter().zip(blocks) {
+                for k in 0..BLOCK {
+                    add_scaled(&mut self.0[k % PARTS], &light[k], weights[k]);
                 }
             }
         }
-        let [mut a, b, mut c, d] = sums;
+    }
+
+    fn sum(self) -> [[f64; C]; S] {
+        let [mut a, b, mut c, d] = self.0;
         add(&mut a, &b);
         add(&mut c, &d);
         add(&mut a, &c);
         a
-    }
-}
-
-/// Adds weights times the light of as many columns to four sums in turn.
-#[inline]
-fn add_products<'a, T, const C: usize, const S: usize>(
-    sums: &mut [[[f64; C]; S]; 4],
-    weights: &[f32],
-    columns: &'a [T],
-    light: impl Fn(&'a T) -> &'a [[f64; C]; S],
-) {
-    let (by_four, last) = columns.as_chunks::<4>();
-    let (own_by_four, own_last) = weights.as_chunks::<4>();
-    for (columns, weights) in by_four.iter().zip(own_by_four) {
-        for k in 0..4 {
-            add_scaled(&mut sums[k], light(&columns[k]), weights[k]);
-        }
-    }
-    for ((sum, column), &weight) in sums.iter_mut().zip(last).zip(own_last) {
-        add_scaled(sum, light(column), weight);
     }
 }
 
@@ -141,12 +199,13 @@ fn overlay_sum<const C: usize, const S: usize>(
     sum
 }
 
-fn add_scaled<const C: usize, const S: usize>(
+#[inline]
+fn add_scaled<W: Weight, const C: usize, const S: usize>(
     sum: &mut [[f64; C]; S],
     light: &[[f64; C]; S],
-    weight: f32,
+    weight: W,
 ) {
-    let weight = f64::from(weight);
+    let weight = weight.unscaled();
     for (sum, light) in sum.as_flattened_mut().iter_mut().zip(light.as_flattened()) {
         *sum += light * weight;
     }
