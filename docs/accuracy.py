@@ -24,8 +24,10 @@ def points(path):
     return rows
 
 
-def sweeps(folder):
-    return {p.parent.name: points(p) for p in sorted(folder.glob("sweeps/*/sweep.csv"))}
+def sweeps(folder, against="truth"):
+    """Sweeps by name: against known light, or against their own finest settings."""
+    found = {p.parent.name: points(p) for p in sorted(folder.glob("sweeps/*/sweep.csv"))}
+    return {name: rows for name, rows in found.items() if rows[-1]["against"] == against}
 
 
 def known(folder, root):
@@ -60,7 +62,7 @@ def presets(found):
     yield "|---|---|---|---|---|---|"
     for name, rows in found.items():
         for row in rows:
-            if row["preset"]:
+            if row["preset"] and row["error"] > 0:
                 quick = min(r["time"] for r in rows if r["error"] <= row["error"] * 1.0001)
                 good = min(r["error"] for r in rows if r["time"] <= row["time"] * 1.0001)
                 yield (f"| {name} | {row['preset']} | {row['error']:.2%} | {row['time']:.2f} "
@@ -122,7 +124,8 @@ def asked(folder):
 
 def tables(folder, root):
     found = sweeps(folder)
-    made = {"presets": presets(found), "settings": settings(found), "halves": halves(found),
+    made = {"presets": presets(found), "demo": presets(sweeps(folder, "finest")),
+            "settings": settings(found), "halves": halves(found),
             "asked": asked(folder)}
     path = root / "docs/accuracy.md"
     text = path.read_text()

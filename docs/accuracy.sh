@@ -5,13 +5,15 @@
 #
 # SHARED holds the maps, scenes and known light (see tests/support); FOLDER keeps the sweeps, which go on
 # where they were as long as the program is the same (default: target/accuracy). Names of other scenes and
-# maps can be given in SCENES, MAPS (swept), ASKED_SCENES and ASKED_MAPS (lit for an error).
+# maps can be given in SCENES, MAPS, DEMO (swept, the last without known light), ASKED_SCENES and ASKED_MAPS
+# (lit for an error).
 set -eu
 shared=$1
 root=$(cd "$(dirname "$0")/.." && pwd)
 folder=${2:-$root/target/accuracy}
 scenes=${SCENES:-wedge5 tinylight_box cornell_small slit_rooms}
 maps=${MAPS:-start lqdm2 lqdm1}
+demo=${DEMO:-atrium slit effects_all}
 asked_scenes=${ASKED_SCENES:-$(cd "$shared/scenes/truth" && ls ./*.csv | sed 's|^./||; s|\.csv$||' |
     grep -v -e cornell_8000 -e _shift -e _x1e)}
 asked_maps=${ASKED_MAPS:-start lqdm1 lqdm2 lq_e0m1_nodirt}
@@ -43,6 +45,7 @@ lit_scene() {
 program=$folder/qrad
 for scene in $scenes; do lit_scene "$scene" --sweep "$folder/sweeps/$scene"; done
 for map in $maps; do lit_map "$map" --sweep "$folder/sweeps/$map"; done
+for map in $demo; do "$program" "$root/maps/$map.bsp" --sweep "$folder/sweeps/$map"; done
 python3 "$root/docs/accuracy.py" known "$folder" "$root"
 
 (cd "$root" && cargo build --release --bin qrad)

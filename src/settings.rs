@@ -31,9 +31,9 @@ pub enum Quality {
     /// Errors of a few hundredths on maps, below 0.5 % in text scenes
     #[default]
     Normal,
-    /// Half the error, half as fast
+    /// Half the error or less, a hemicube at every luxel
     High,
-    /// A fine hemicube at every luxel; errors of about 0.1 % in text scenes
+    /// Finer hemicubes and smaller errors still; about 0.1 % in text scenes
     Final,
 }
 
@@ -65,10 +65,13 @@ impl Quality {
 
     /// How indirect light gets to luxels.
     pub fn gather(self) -> Gather {
-        if self == Self::Final { Gather::Luxel } else { Gather::Interpolate }
+        match self {
+            Self::Draft | Self::Normal => Gather::Interpolate,
+            Self::High | Self::Final => Gather::Luxel,
+        }
     }
 
-    /// Error that interpolation may make: see [`GatherSettings::error`].
+    /// Error that interpolation may make, if there is any: see [`GatherSettings::error`].
     pub fn gather_error(self) -> f64 {
         match self {
             Self::Draft => f64::INFINITY,
@@ -80,10 +83,16 @@ impl Quality {
     /// How readily neighbouring patches share a hemicube: see [`Settings::share`].
     pub fn share(self) -> f32 {
         match self {
-            Self::Draft | Self::Normal => 0.25,
-            Self::High | Self::Final => 0.0,
+            Self::Draft | Self::Normal | Self::High => 0.25,
+            Self::Final => 0.0,
         }
     }
+}
+
+/// Whether coarser hemicubes do for luxels where interpolation may err as much, above 0: where it may err
+/// less, they are what errs most.
+pub(crate) fn coarse_luxels_do(gather_error: f64) -> bool {
+    gather_error >= 0.05
 }
 
 /// Settings of a map run.
@@ -108,7 +117,7 @@ pub struct Settings {
     pub gather_error: f64,
     /// A patch shares the hemicube of one beside it that is nearer than this share of the harmonic mean
     /// distance of what that one sees; 0 for none. Above 0, hemicubes of patches that are cut off, and of
-    /// single luxels, have half as many cells along an edge.
+    /// single luxels where interpolation may err by 0.05 or more, have half as many cells along an edge.
     pub share: f32,
     /// Factor on the reflectance of textures, 0 and up.
     pub reflectance_scale: f32,
@@ -277,7 +286,9 @@ impl Settings {
 
     /// How indirect light gets to luxels.
     pub fn gathering(&self) -> GatherSettings {
-        let coarse = self.coarse_where_small() && self.gather == Gather::Interpolate;
+        let coarse = self.coarse_where_small()
+            && self.gather == Gather::Interpolate
+            && coarse_luxels_do(self.gather_error);
         let hemicube = if coarse { self.hemicube.halved() } else { self.hemicube };
         GatherSettings { gather: self.gather, error: self.gather_error, hemicube }
     }

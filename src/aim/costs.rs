@@ -5,6 +5,7 @@ use crate::patch::MapPatches;
 use crate::radiosity::hemicube::{DeltaFormFactors, HemicubeSize, View};
 use crate::radiosity::transfers::{Gatherer, OVERLAY_ENTRY};
 use crate::scene::{Sample, Scene};
+use crate::settings::coarse_luxels_do;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::time::Instant;
@@ -147,7 +148,7 @@ impl Costs {
         let [_, hemicubes, factors] = self.counts(rung);
         let hemicube = self.of(rung.cells).0;
         let bounces = factors * PASSES * PASS / rayon::current_num_threads() as f64;
-        let halved = rung.share > 0.0 && rung.gather_error > 0.0;
+        let halved = rung.share > 0.0 && coarse_luxels_do(rung.gather_error);
         let of_luxel = if halved { OF_LUXEL_HALVED } else { OF_LUXEL };
         let interpolated =
             if rung.gather_error == 0.0 { 0.0 } else { INTERPOLATED * self.of(16).0 };

@@ -151,6 +151,7 @@ impl Bench for MapBench<'_> {
             with(2, 16, 0.1, share);
         }
         with(1, 16, 0.1, 0.25);
+        with(2, 16, 0.02, 0.0);
         with(1, 32, 0.02, 0.0);
         with(2, 32, 0.02, 0.0);
         // These take the most memory, which the system may not give back at once.
