@@ -253,5 +253,5 @@ fn build_tracer(surfaces: &[Surface]) -> (Tracer, Vec<u32>) {
             indices.push(index as u32);
         }
     }
-    (Tracer::new(polygons), indices)
+    (Tracer::new(polygons).on_solid(indices.len()), indices)
 }

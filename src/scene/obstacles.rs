@@ -79,7 +79,9 @@ impl Casters<'_> {
         let hulls = Tracer::new(polygons[slats..].to_vec());
         let polygons = tracer.polygons().iter().cloned().chain(polygons).collect();
         let surface = of.iter().copied().chain(surface).collect();
-        Some(Obstacles { tracer: Tracer::new(polygons), surface, hulls })
+        // Slats are seen from both sides.
+        let tracer = Tracer::new(polygons).on_solid(of.len());
+        Some(Obstacles { tracer, surface, hulls })
     }
 }
 

@@ -8,7 +8,7 @@ use wide::{f32x4, f32x8};
 /// The most corners of a piece.
 const LANES: usize = 8;
 /// The most corners of a small one.
-const FEW: u32 = 4;
+const FEW: u16 = 4;
 
 /// A convex part of a polygon.
 #[derive(Clone, Debug)]
@@ -19,10 +19,16 @@ pub struct Piece<V> {
     pub on: Vec3,
     /// Unit normal of its front.
     pub normal: Vec3,
+    /// A point inside of it.
+    pub middle: Vec3,
+    /// Square of the distance from there to the farthest corner.
+    pub radius_squared: f32,
     /// Index of the polygon, as given to [`Tracer::new`].
     pub polygon: u32,
     /// Number of corners, at least 3.
-    pub count: u32,
+    pub count: u16,
+    /// Whether there is solid space behind it.
+    pub on_solid: bool,
 }
 
 /// The hierarchy of a [`Tracer`] with pieces in its leafs.
@@ -47,7 +53,8 @@ impl Pieces {
             let from = [pieces.small.len(), pieces.large.len()];
             for slot in first..first + count {
                 let (corners, normal, polygon) = tracer.polygon(slot);
-                pieces.cut(corners, normal, polygon);
+                let on_solid = tracer.is_on_solid(polygon);
+                pieces.cut(corners, (normal, on_solid), polygon);
             }
             pieces.nodes[k].first = pieces.leafs.len() as u32;
             let end = [pieces.small.len(), pieces.large.len()];
@@ -61,14 +68,23 @@ impl Pieces {
         &self.nodes
     }
 
-    /// The pieces in a leaf: those of up to four corners, and those of more.
-    pub fn of(&self, leaf: &Node) -> (&[Piece<f32x4>], &[Piece<f32x8>]) {
-        let [small, large] = &self.leafs[leaf.first as usize];
-        (&self.small[small.clone()], &self.large[large.clone()])
+    /// The pieces in a leaf: places of [`small`](Self::small) and of [`large`](Self::large) ones.
+    pub fn of(&self, leaf: &Node) -> &[Range<usize>; 2] {
+        &self.leafs[leaf.first as usize]
+    }
+
+    /// All pieces of up to four corners.
+    pub fn small(&self) -> &[Piece<f32x4>] {
+        &self.small
+    }
+
+    /// All pieces of more.
+    pub fn large(&self) -> &[Piece<f32x8>] {
+        &self.large
     }
 
     /// Appends the pieces of a polygon, a fan around its first corner.
-    fn cut(&mut self, corners: &[Vec3], normal: Vec3, polygon: u32) {
+    fn cut(&mut self, corners: &[Vec3], (normal, on_solid): (Vec3, bool), polygon: u32) {
         let on = corners[0];
         let mut from = 1;
         while from + 1 < corners.len() {
@@ -77,15 +93,21 @@ impl Pieces {
                 0 => on,
                 _ => rim[(lane - 1).min(rim.len() - 1)],
             };
-            let count = rim.len() as u32 + 1;
+            let count = rim.len() as u16 + 1;
+            let middle = (on + rim[0] + rim[1]) / 3.0;
+            let distances = rim.iter().chain([&on]).map(|c| c.distance_squared(middle));
+            let radius_squared = distances.fold(0.0, f32::max);
+            macro_rules! piece {
+                ($lanes:ident) => {{
+                    let along = |k| $lanes::new(std::array::from_fn(|lane| corner(lane)[k]));
+                    let corners = [along(0), along(1), along(2)];
+                    Piece { corners, on, normal, middle, radius_squared, polygon, count, on_solid }
+                }};
+            }
             if count <= FEW {
-                let along = |k: usize| f32x4::new(std::array::from_fn(|lane| corner(lane)[k]));
-                let corners = [along(0), along(1), along(2)];
-                self.small.push(Piece { corners, on, normal, polygon, count });
+                self.small.push(piece!(f32x4));
             } else {
-                let along = |k: usize| f32x8::new(std::array::from_fn(|lane| corner(lane)[k]));
-                let corners = [along(0), along(1), along(2)];
-                self.large.push(Piece { corners, on, normal, polygon, count });
+                self.large.push(piece!(f32x8));
             }
             from += rim.len() - 1;
         }
@@ -114,7 +136,7 @@ mod tests {
             let pieces = tracer.pieces();
             assert_eq!(pieces.nodes().len(), 1);
             let mut sum = 0.0;
-            let mut add = |piece: [&[f32]; 3], real: u32| {
+            let mut add = |piece: [&[f32]; 3], real: u16| {
                 let [x, y, z] = piece;
                 let corners: Vec<Vec3> =
                     (0..x.len()).map(|k| Vec3::new(x[k], y[k], z[k])).collect();
@@ -123,11 +145,11 @@ mod tests {
                 assert!(area(real) > 0.0);
                 sum += area(real);
             };
-            let (small, large) = pieces.of(&pieces.nodes()[0]);
-            for piece in small {
+            let [small, large] = pieces.of(&pieces.nodes()[0]).clone();
+            for piece in &pieces.small()[small] {
                 add([0, 1, 2].map(|k| &piece.corners[k].as_array_ref()[..]), piece.count);
             }
-            for piece in large {
+            for piece in &pieces.large()[large] {
                 assert!(piece.count > FEW);
                 add([0, 1, 2].map(|k| &piece.corners[k].as_array_ref()[..]), piece.count);
             }

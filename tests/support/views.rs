@@ -25,5 +25,6 @@ pub fn bsp_views(path: &Path, count: usize) -> (Tracer, Vec<View>) {
         }
         polygons.push(Polygon { vertices, normal });
     }
-    (Tracer::new(polygons), views)
+    let count = polygons.len();
+    (Tracer::new(polygons).on_solid(count), views)
 }

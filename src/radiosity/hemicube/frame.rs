@@ -69,6 +69,40 @@ impl Frame {
         [along(right), along(up), along(normal)]
     }
 
+    /// Where the eye is, from a point.
+    #[inline(always)]
+    pub fn eye_from(&self, point: Vec3) -> Vec3 {
+        self.eye - point
+    }
+
+    /// The side that a point is seen on, its column, row and depth there; `None` below the horizon.
+    pub fn place(&self, point: Vec3) -> Option<(usize, [f32; 3])> {
+        let from = point - self.eye;
+        let [x, y, z] = self.axes.map(|axis| axis.dot(from));
+        let number = match () {
+            () if z < 0.0 => return None,
+            () if z >= x.abs() && z >= y.abs() => 0,
+            () if x.abs() >= y.abs() => {
+                if x > 0.0 {
+                    1
+                } else {
+                    3
+                }
+            }
+            () => {
+                if y > 0.0 {
+                    2
+                } else {
+                    4
+                }
+            }
+        };
+        let side = &self.sides[number];
+        let [across, along, depth] = side.turned(Vec3::new(x, y, z));
+        let column = (across / depth + 1.0) * side.columns;
+        Some((number, [column, (along / depth + side.lowest) * side.rows, depth]))
+    }
+
     /// Squared distance from the eye to a node's box.
     pub fn distance(&self, node: &Node) -> f32 {
         (self.eye.clamp(node.min, node.max) - self.eye).length_squared()

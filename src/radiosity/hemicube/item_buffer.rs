@@ -7,8 +7,14 @@ use super::lanes::{LANES, Lanes, greatest};
 use super::outline::{Edges, Outline};
 use super::side::{NOTHING, Side};
 use super::{HemicubeSize, SIDES, SideId, View};
-use crate::scene::{Piece, Tracer};
+use crate::scene::{Piece, Pieces, Tracer};
 use glam::Vec3;
+
+/// Backs are looked for that reach farther from their middle than this many cells of depth 1: what is seen
+/// from within solid space has some.
+const LARGE: f32 = 2.0;
+/// A point shows if its cell's nearness is less than this share of its own.
+const HIDDEN: f32 = 0.999;
 
 /// Which polygon a point sees through each cell. Reused from one hemicube to the next.
 pub struct ItemBuffer {
@@ -19,6 +25,8 @@ pub struct ItemBuffer {
     points: Vec<Homogeneous>,
     spare: Vec<Homogeneous>,
     edges: Edges,
+    /// The small and the large pieces whose backs were met, by number, and the sides to draw them on.
+    backs: [Vec<(usize, SideSet)>; 2],
 }
 
 /// Cells of one row that lie beside each other in memory.
@@ -50,6 +58,7 @@ impl ItemBuffer {
             points: Vec::new(),
             spare: Vec::new(),
             edges: Edges::default(),
+            backs: [Vec::new(), Vec::new()],
         }
     }
 
@@ -60,10 +69,16 @@ impl ItemBuffer {
 
     /// Replaces the contents by what is seen from `view`.
     pub fn draw(&mut self, tracer: &Tracer, view: &View) {
+        let (pieces, frame) = (tracer.pieces(), Frame::new(view, self.size));
+        self.draw_fronts(pieces, &frame);
+        self.draw_backs(pieces, &frame);
+    }
+
+    /// Draws what is seen from its front, and lists the backs that were met.
+    fn draw_fronts(&mut self, pieces: &Pieces, frame: &Frame) {
         self.sides.iter_mut().for_each(Side::clear);
-        let pieces = tracer.pieces();
+        self.backs.iter_mut().for_each(Vec::clear);
         let nodes = pieces.nodes();
-        let frame = Frame::new(view, self.size);
         self.stack.clear();
         if !nodes.is_empty() {
             self.stack.push((0, ALL_SIDES));
@@ -72,9 +87,23 @@ impl ItemBuffer {
             let node = &nodes[index as usize];
             if node.count > 0 {
                 // Polygons are tested by themselves, more exactly than by their box.
-                let (small, large) = pieces.of(node);
-                small.iter().for_each(|piece| self.draw_piece(piece, &frame, sides));
-                large.iter().for_each(|piece| self.draw_piece(piece, &frame, sides));
+                let [small, large] = pieces.of(node).clone();
+                for k in small {
+                    let piece = &pieces.small()[k];
+                    if is_back(piece, frame) {
+                        self.backs[0].push((k, sides));
+                    } else {
+                        self.draw_piece(piece, frame, sides);
+                    }
+                }
+                for k in large {
+                    let piece = &pieces.large()[k];
+                    if is_back(piece, frame) {
+                        self.backs[1].push((k, sides));
+                    } else {
+                        self.draw_piece(piece, frame, sides);
+                    }
+                }
                 continue;
             }
             let corners = frame.corners(node);
@@ -111,7 +140,41 @@ impl ItemBuffer {
         }
     }
 
-    fn draw_piece<V: Lanes>(&mut self, piece: &Piece<V>, frame: &Frame, sides: SideSet) {
+    /// Draws backs too, if any seems to be seen. From open space fronts hide all of them: only if the
+    /// middle of a large one shows, and it then fills a cell, are the rest drawn.
+    fn draw_backs(&mut self, pieces: &Pieces, frame: &Frame) {
+        let backs = std::mem::take(&mut self.backs);
+        let (small, large) = (pieces.small(), pieces.large());
+        if backs[0].iter().any(|&(k, sides)| self.back_shows(&small[k], frame, sides))
+            || backs[1].iter().any(|&(k, sides)| self.back_shows(&large[k], frame, sides))
+        {
+            backs[0].iter().for_each(|&(k, sides)| _ = self.draw_back(&small[k], frame, sides));
+            backs[1].iter().for_each(|&(k, sides)| _ = self.draw_back(&large[k], frame, sides));
+        }
+        self.backs = backs;
+    }
+
+    /// Whether a piece is large and its middle is not hidden, and it fills a cell when it is drawn.
+    fn back_shows<V: Lanes>(&mut self, piece: &Piece<V>, frame: &Frame, sides: SideSet) -> bool {
+        let cell = 2.0 / self.size.width().min(self.size.height()) as f32;
+        let distance = cell * LARGE * frame.eye_from(piece.middle).length();
+        if piece.radius_squared < distance * distance {
+            return false;
+        }
+        let Some((number, [x, y, depth])) = frame.place(piece.middle) else { return false };
+        self.sides[number].at(x, y).1 * depth < HIDDEN && self.draw_back(piece, frame, sides)
+    }
+
+    /// As `draw_piece`, and apart from it, as that is quick where it is called in one place.
+    #[inline(never)]
+    fn draw_back<V: Lanes>(&mut self, piece: &Piece<V>, frame: &Frame, sides: SideSet) -> bool {
+        self.draw_piece(piece, frame, sides)
+    }
+
+    /// Returns whether any cell shows it.
+    #[inline(always)]
+    fn draw_piece<V: Lanes>(&mut self, piece: &Piece<V>, frame: &Frame, sides: SideSet) -> bool {
+        let mut shown = false;
         let local = frame.local(&piece.corners);
         for number in members(sides) {
             let size = self.sides[number].size();
@@ -125,7 +188,7 @@ impl ItemBuffer {
             let whole = Outline::projected(&points, inverse);
             let before = points[2].cmp_gt(V::all(0.0)).mask() == V::EVERY;
             if before && (outside == [0; 4] || whole.is_near(size)) {
-                self.fill(&whole, greatest(inverse), piece, frame, number);
+                shown |= self.fill(&whole, greatest(inverse), piece, frame, number);
                 continue;
             }
             let mut lanes = [[0.0; LANES]; 3];
@@ -136,12 +199,14 @@ impl ItemBuffer {
             if clip(&mut self.points, &mut self.spare, size[0], size[1]) {
                 let outline = Outline::clipped(&self.points, size);
                 let nearest = 1.0 / self.points.iter().map(|p| p.z).fold(f32::INFINITY, f32::min);
-                self.fill(&outline, nearest, piece, frame, number);
+                shown |= self.fill(&outline, nearest, piece, frame, number);
             }
         }
+        shown
     }
 
-    /// Draws a piece with this outline on side `number`, unless all of it is hidden.
+    /// Draws a piece with this outline on side `number`, unless all of it is hidden. Returns whether any
+    /// cell shows it.
     #[inline(always)]
     fn fill<V: Lanes, P>(
         &mut self,
@@ -150,20 +215,128 @@ impl ItemBuffer {
         piece: &Piece<P>,
         frame: &Frame,
         number: usize,
-    ) {
+    ) -> bool {
         let side = &mut self.sides[number];
         let size = side.size();
-        let Some(cells) = outline.cells(size) else { return };
+        let Some(cells) = outline.cells(size) else { return false };
         if side.covered(cells, nearest) {
-            return;
+            return false;
         }
-        let Some(slope) = frame.nearness(piece.on, piece.normal) else { return };
+        let Some(slope) = frame.nearness(piece.on, piece.normal) else { return false };
         outline.edges(size[1], &mut self.edges);
-        side.fill(&self.edges, cells, frame.side(number).nearness(slope), piece.polygon);
+        side.fill(&self.edges, cells, frame.side(number).nearness(slope), piece.polygon)
     }
+}
+
+/// Whether there is solid space between the eye and a piece, if the eye is not in solid space itself.
+#[inline(always)]
+fn is_back<V>(piece: &Piece<V>, frame: &Frame) -> bool {
+    piece.on_solid && piece.normal.dot(frame.eye_from(piece.on)) < 0.0
 }
 
 /// The numbers of the sides in a set.
 fn members(set: SideSet) -> impl Iterator<Item = usize> {
     (0..5).filter(move |side| set >> side & 1 == 1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::Polygon;
+
+    /// The faces of a box; their fronts are inside or outside.
+    fn faces(low: Vec3, high: Vec3, inside: bool) -> Vec<Polygon> {
+        let ends = [low, high];
+        let face = |k: usize| {
+            let (axis, end) = (k / 2, k % 2);
+            let mut normal = Vec3::ZERO;
+            normal[axis] = if (end == 1) == inside { -1.0 } else { 1.0 };
+            let corner = |a: usize, b: usize| {
+                let mut p = Vec3::splat(ends[end][axis]);
+                (p[(axis + 1) % 3], p[(axis + 2) % 3]) =
+                    (ends[a][(axis + 1) % 3], ends[b][(axis + 2) % 3]);
+                p
+            };
+            let mut vertices = vec![corner(0, 0), corner(1, 0), corner(1, 1), corner(0, 1)];
+            if normal[axis] < 0.0 {
+                vertices.reverse();
+            }
+            Polygon { vertices, normal }
+        };
+        (0..6).map(face).collect()
+    }
+
+    /// Numbers in 0 to 1 that follow from `k`.
+    fn spread(k: usize) -> Vec3 {
+        let at = |step: f64| (k as f64 * step + 0.31).fract() as f32;
+        Vec3::new(at(0.819_172_5), at(0.671_043_6), at(0.549_700_5))
+    }
+
+    /// A room with blocks in it, and their centres.
+    fn room() -> (Vec<Polygon>, Vec<Vec3>) {
+        let centres: Vec<Vec3> = (0..40).map(|k| spread(k) * 900.0 + Vec3::splat(50.0)).collect();
+        let mut polygons = faces(Vec3::ZERO, Vec3::splat(1000.0), true);
+        for (k, &centre) in centres.iter().enumerate() {
+            let half = Vec3::splat(10.0) + spread(k + 100) * 40.0;
+            polygons.extend(faces(centre - half, centre + half, false));
+        }
+        (polygons, centres)
+    }
+
+    /// Cells that show another polygon when all backs are drawn, and whether any were drawn without.
+    fn lost(buffer: &mut ItemBuffer, tracer: &Tracer, view: &View) -> (usize, bool) {
+        let shown = |buffer: &ItemBuffer| {
+            let mut items = Vec::new();
+            buffer.for_each_row(|cells| items.extend_from_slice(cells.items));
+            items
+        };
+        let (pieces, frame) = (tracer.pieces(), Frame::new(view, buffer.size()));
+        buffer.draw_fronts(pieces, &frame);
+        let fronts = shown(buffer);
+        buffer.draw(tracer, view);
+        let found = shown(buffer);
+        let [small, large] = buffer.backs.clone();
+        for (k, sides) in small {
+            buffer.draw_back(&pieces.small()[k], &frame, sides);
+        }
+        for (k, sides) in large {
+            buffer.draw_back(&pieces.large()[k], &frame, sides);
+        }
+        let all = shown(buffer);
+        (found.iter().zip(&all).filter(|(a, b)| a != b).count(), fronts != found)
+    }
+
+    #[test]
+    fn backs_are_drawn_where_they_are_seen() {
+        let (polygons, centres) = room();
+        let count = polygons.len();
+        let tracer = Tracer::new(polygons).on_solid(count);
+        for cells in [8, 16, 64] {
+            let mut buffer = ItemBuffer::new(HemicubeSize::new(cells, cells).unwrap());
+            let (mut inside, mut open) = (0, 0);
+            for (k, &centre) in centres.iter().enumerate() {
+                let view = |at| View::turned(at, (spread(k + 7) - 0.5).normalize(), k as u64);
+                let (lost_here, drawn) = lost(&mut buffer, &tracer, &view(centre));
+                assert_eq!(lost_here, 0, "block {k}, {cells} cells");
+                inside += usize::from(drawn);
+                let (lost_here, drawn) = lost(&mut buffer, &tracer, &view(spread(k + 50) * 1000.0));
+                assert_eq!(lost_here, 0, "eye {k}, {cells} cells");
+                open += usize::from(drawn);
+            }
+            println!("{cells} cells: backs drawn from {inside} blocks and {open} other eyes");
+            assert!(inside >= 38 && open < 10);
+        }
+    }
+
+    #[test]
+    fn backs_without_solid_space_are_drawn_at_once() {
+        let (polygons, centres) = room();
+        let tracer = Tracer::new(polygons);
+        let mut buffer = ItemBuffer::new(HemicubeSize::new(32, 32).unwrap());
+        buffer.draw(&tracer, &View::turned(centres[0], Vec3::Z, 0));
+        assert!(buffer.backs.iter().all(Vec::is_empty));
+        let mut seen = false;
+        buffer.for_each_row(|cells| seen |= cells.items.iter().any(|&i| (6..12).contains(&i)));
+        assert!(seen, "the block around the eye");
+    }
 }

@@ -97,6 +97,12 @@ impl Side {
         (self.item[at], self.nearness[at])
     }
 
+    /// Item and nearness of the cell at cell coordinates, or of the nearest one.
+    pub fn at(&self, x: f32, y: f32) -> (u32, f32) {
+        // `as` saturates: below 0 and NaN become the first cell.
+        self.cell((x as usize).min(self.width - 1), (y as usize).min(self.height - 1))
+    }
+
     /// Calls `visit(x, y, items, nearness)` for each run of eight (or fewer, at the right edge)
     /// cells of a row, tile by tile.
     pub fn for_each_row(&self, mut visit: impl FnMut(usize, usize, &[u32], &[f32])) {
@@ -162,15 +168,18 @@ impl Side {
     }
 
     /// Draws a convex polygon with corners in cell coordinates, inside the side. A cell belongs to
-    /// it if the cell's centre does; centres on an edge go to the polygon on its right.
-    pub fn fill(&mut self, edges: &Edges, cells: Cells, nearness: Nearness, item: u32) {
+    /// it if the cell's centre does; centres on an edge go to the polygon on its right. Returns whether
+    /// any cell shows it.
+    pub fn fill(&mut self, edges: &Edges, cells: Cells, nearness: Nearness, item: u32) -> bool {
+        let mut shown = false;
         for ty in cells.low[1] as usize / TILE..=(cells.high[1] as usize - 1) / TILE {
             let [from, to] = edges.spans(ty * TILE, self.size[0]);
             let rows = from.cmp_lt(to).move_mask() as u32;
             if rows != 0 {
-                self.fill_tile_row(ty, rows, [from, to], nearness, item);
+                shown |= self.fill_tile_row(ty, rows, [from, to], nearness, item);
             }
         }
+        shown
     }
 
     /// Fills the `rows` of one row of tiles, a bit each, between the columns `from` and `to`.
@@ -181,7 +190,8 @@ impl Side {
         [from, to]: [f32x8; 2],
         nearness: Nearness,
         item: u32,
-    ) {
+    ) -> bool {
+        let mut shown = false;
         let some = from.cmp_lt(to);
         let first = least(some.blend(from, all(f32::INFINITY))) as usize;
         let last = greatest(some.blend(to, f32x8::ZERO)) as usize - 1;
@@ -214,7 +224,9 @@ impl Side {
                 }
             }
             self.touched[tile] |= changed;
+            shown |= changed;
         }
+        shown
     }
 }
 
