@@ -1,6 +1,7 @@
 //! The polygons of a scene in a bounding volume hierarchy. The only file that uses `obvhs`.
 
 use super::pieces::Pieces;
+use super::walls::Walls;
 use super::wide_tree::WideTree;
 use glam::Vec3;
 use obvhs::BvhBuildParams;
@@ -57,6 +58,8 @@ pub struct Tracer {
     wide: WideTree,
     /// Made when a hemicube is drawn first.
     pieces: OnceLock<Pieces>,
+    /// Made when a wall is looked for first.
+    walls: OnceLock<Walls>,
 }
 
 impl Tracer {
@@ -103,6 +106,7 @@ impl Tracer {
             normals,
             wide: WideTree::default(),
             pieces: OnceLock::new(),
+            walls: OnceLock::new(),
         };
         tracer.wide = WideTree::new(&tracer.nodes, |slot| {
             let (corners, _, polygon) = tracer.polygon(slot);
@@ -129,6 +133,11 @@ impl Tracer {
     /// The polygons for hemicubes.
     pub fn pieces(&self) -> &Pieces {
         self.pieces.get_or_init(|| Pieces::new(self))
+    }
+
+    /// How the polygons are joined.
+    pub(super) fn walls(&self) -> &Walls {
+        self.walls.get_or_init(|| Walls::new(&self.polygons))
     }
 
     /// Corner points, normal and index of the polygon in a leaf's slot.
