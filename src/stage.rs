@@ -76,7 +76,8 @@ pub(crate) fn direct(
     progress: &Progress,
 ) -> Vec<DirectLight> {
     let stage = progress.stage("direct light", samples.len());
-    let candidates = Arc::new(light::Candidates::find(scene, samples, settings.smoothing.extra));
+    let cell = if settings.exact_extra { 1 } else { settings.smoothing.extra };
+    let candidates = Arc::new(light::Candidates::find(scene, samples, cell));
     samples
         .par_iter()
         .enumerate()

@@ -11,7 +11,7 @@ use rayon::prelude::*;
 /// Surfaces that one task looks at, at most.
 const TASK: usize = 256;
 /// Groups of surfaces as wide as this share of their distance from a light are not looked at together.
-const WIDE: f32 = 0.5;
+const WIDE: f32 = 1.0;
 /// Groups in more leafs of the map than this are not looked up in its visibility.
 const MOST_LEAFS: usize = 32;
 
@@ -29,10 +29,12 @@ struct Item {
 }
 
 impl Candidates {
-    /// The lights of which each surface may get light at its `samples`, `extra` x `extra` a luxel. What
-    /// is left out gives none.
-    pub fn find(scene: &Scene, samples: &[Vec<Sample>], extra: u32) -> Self {
-        let item = |(surface, samples): (usize, &Vec<Sample>)| Item::of(scene, surface, samples, extra);
+    /// The lights of which each surface may get light at its `samples`; what is left out gives none.
+    /// Where a luxel is a cell of more than one sample, `cell` x `cell`, visibility is that of the first
+    /// in each, as in [`super::direct_adaptive`].
+    pub fn find(scene: &Scene, samples: &[Vec<Sample>], cell: u32) -> Self {
+        let item =
+            |(surface, samples): (usize, &Vec<Sample>)| Item::of(scene, surface, samples, cell);
         let mut items: Vec<Item> = samples.par_iter().enumerate().filter_map(item).collect();
         let mut tasks = Vec::new();
         divide(&mut items, &mut tasks);
@@ -58,14 +60,14 @@ impl Candidates {
     }
 
     /// The lights of a surface, in their order.
-    pub(super) fn of(&self, surface: usize) -> &[u32] {
+    pub fn of(&self, surface: usize) -> &[u32] {
         &self.0[surface]
     }
 }
 
 impl Item {
     /// `None` for a surface that gets no light.
-    fn of(scene: &Scene, surface: usize, samples: &[Sample], extra: u32) -> Option<Self> {
+    fn of(scene: &Scene, surface: usize, samples: &[Sample], cell: u32) -> Option<Self> {
         let face = &scene.surfaces[surface];
         let free = || samples.iter().filter(|s| !s.occluded).map(|s| s.position);
         if face.light_ignore || free().next().is_none() {
@@ -73,12 +75,10 @@ impl Item {
         }
         let low = free().fold(Vec3::INFINITY, Vec3::min);
         let high = free().fold(Vec3::NEG_INFINITY, Vec3::max);
-        let (row, extra) =
-            (face.luxels.as_ref().map_or(1, |g| g.width * extra) as usize, extra as usize);
-        // As where samples are traced in cells only, those between have no leaf.
-        let is_looked_up = |i: &usize| {
-            !samples[*i].occluded && i % row % extra == 0 && i / row % extra == 0
-        };
+        let (row, cell) =
+            (face.luxels.as_ref().map_or(1, |g| g.width * cell) as usize, cell as usize);
+        let is_looked_up =
+            |i: &usize| !samples[*i].occluded && i % row % cell == 0 && i / row % cell == 0;
         let leaf = |i: usize| scene.visibility.leaf(&scene.solid, samples[i].position);
         let mut leafs: Vec<_> = (0..samples.len()).filter(is_looked_up).map(leaf).collect();
         if leafs.is_empty() {

@@ -131,8 +131,15 @@ impl View {
         };
         let ahead = ahead.try_normalize()?;
         let (x, y) = ahead.any_orthonormal_pair();
-        let mut view =
-            Self { from, bounds: *bounds, origin, ahead, axes: [x, y], corners: [[0.0; 2]; 8], count: 0 };
+        let mut view = Self {
+            from,
+            bounds: *bounds,
+            origin,
+            ahead,
+            axes: [x, y],
+            corners: [[0.0; 2]; 8],
+            count: 0,
+        };
         for k in 0..8_u32 {
             let sign = |axis: u32| if k >> axis & 1 == 0 { -1.0 } else { 1.0 };
             let signs = DVec3::new(sign(0), sign(1), sign(2));
@@ -166,10 +173,14 @@ impl View {
         }
     }
 
-    /// Adds the edges of a polygon. The answer is how far away it is at most, for light from far away;
+    /// Adds the edges of a polygon, the first of which is to hold the middle of the box. The answer is how far away it is at most, for light from far away;
     /// `None` if it is not before all of the box, or may not count.
-    fn add(&self, walls: &Walls, polygon: (&Polygon, u32), sides: &mut Vec<Side>) -> Option<f64> {
-        let (shape, index) = polygon;
+    fn add(
+        &self,
+        walls: &Walls,
+        (shape, index): (&Polygon, u32),
+        sides: &mut Vec<Side>,
+    ) -> Option<f64> {
         if !walls.fit[index as usize] {
             return None;
         }
@@ -210,6 +221,7 @@ impl View {
         };
         let count = shape.vertices.len();
         let centre = (0..count).map(corner).sum::<DVec3>() / count as f64;
+        let is_first = sides.is_empty();
         for (i, &across) in walls.across(index).iter().enumerate() {
             let (a, b) = (corner(i), corner((i + 1) % count));
             let (normal, inside, rest) = match self.from {
@@ -230,6 +242,10 @@ impl View {
             let unit = size.recip().copysign(inside);
             let mut side =
                 Side { inwards: [x * unit, y * unit], rest: rest * unit, across, is_near: false };
+            // The first is to hold the middle of the box, which is at zero.
+            if is_first && side.rest < 0.0 {
+                return None;
+            }
             side.is_near = self.is_near(&side, [a, b], margin);
             sides.push(side);
         }
@@ -239,7 +255,8 @@ impl View {
     /// Whether an edge between two points may come nearer to the box than a margin.
     fn is_near(&self, side: &Side, ends: [DVec3; 2], margin: f64) -> bool {
         let [x, y] = side.inwards;
-        let least = self.corners().iter().map(|c| c[0] * x + c[1] * y).fold(f64::INFINITY, f64::min);
+        let least =
+            self.corners().iter().map(|c| c[0] * x + c[1] * y).fold(f64::INFINITY, f64::min);
         if least + side.rest >= margin {
             return false;
         }
@@ -295,9 +312,7 @@ impl Cover {
         self.sides.clear();
         let shape = &tracer.polygons()[first as usize];
         let depth = view.add(tracer.walls(), (shape, first), &mut self.sides);
-        // The middle of the box is at zero.
-        let holds_middle = self.sides.iter().all(|side| side.rest >= 0.0);
-        let Some(depth) = depth.filter(|_| holds_middle) else { return Hidden::Unknown };
+        let Some(depth) = depth else { return Hidden::Unknown };
         self.polygons.push((first, self.sides.len()));
         self.spread(tracer, depth, wanted).map_or(Hidden::Middle, Hidden::All)
     }
@@ -344,5 +359,138 @@ impl Cover {
             }
         }
         Some(depth)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::shadow::ShadowRays;
+    use super::*;
+    use proptest::prelude::*;
+
+    /// The outside of a block, each side cut into faces along whole numbers.
+    fn block(low: [i16; 3], size: [i16; 3], cuts: i16, polygons: &mut Vec<Polygon>) {
+        for axis in 0..3 {
+            let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
+            for (high, i, j) in [0, 1]
+                .into_iter()
+                .flat_map(|h| (0..cuts).flat_map(move |i| (0..cuts).map(move |j| (h, i, j))))
+            {
+                let corner = |i: i16, j: i16| {
+                    let mut p = low;
+                    p[axis] += high * size[axis];
+                    p[u] += size[u] * i / cuts;
+                    p[v] += size[v] * j / cuts;
+                    Vec3::from(p.map(f32::from))
+                };
+                let vertices =
+                    vec![corner(i, j), corner(i, j + 1), corner(i + 1, j + 1), corner(i + 1, j)];
+                let normal = Vec3::AXES[axis] * (f32::from(high) * 2.0 - 1.0);
+                polygons.push(Polygon { vertices, normal });
+            }
+        }
+    }
+
+    /// Whether the light of a point or a direction is hidden from a box, by what is met first on the way to
+    /// its middle.
+    fn is_hidden(tracer: &Tracer, origin: Origin, bounds: &Bounds) -> bool {
+        let middle = bounds.middle().as_vec3();
+        let first = match origin {
+            Origin::Point(light) => {
+                let mut rays = ShadowRays::new(tracer);
+                if rays.blocked(light, middle) { rays.last_blocker } else { None }
+            }
+            Origin::Far(way) => {
+                ShadowRays::new(tracer).first_hit(middle, way, 1e6).map(|h| h.polygon)
+            }
+        };
+        let mut cover = Cover::default();
+        cover.look_at(bounds, origin)
+            && first.is_some_and(|p| matches!(cover.hidden_by(tracer, p, |_| true), Hidden::All(_)))
+    }
+
+    fn around(low: [f32; 3], high: [f32; 3]) -> Bounds {
+        Bounds::around([Vec3::from(low), Vec3::from(high)].into_iter()).unwrap()
+    }
+
+    #[test]
+    fn corners_of_many_faces_hide_what_no_face_does() {
+        let mut polygons = Vec::new();
+        block([-64, -64, 0], [128, 128, 128], 4, &mut polygons);
+        let tracer = Tracer::new(polygons);
+        for light in [[-300.0, -280.0, 40.0], [-300.0, 1.0, 40.0]] {
+            let hidden = |low, high| {
+                is_hidden(&tracer, Origin::Point(Vec3::from(light)), &around(low, high))
+            };
+            assert!(hidden([70.0, 70.0, 4.0], [100.0, 90.0, 30.0]), "behind the block");
+            assert!(!hidden([70.0, 70.0, 4.0], [300.0, 100.0, 30.0]), "part of it beside");
+            assert!(!hidden([70.0, 70.0, 4.0], [100.0, 100.0, 600.0]), "part of it above");
+            assert!(!hidden([-90.0, -90.0, 4.0], [-70.0, -70.0, 30.0]), "before the block");
+            assert!(!hidden([60.0, 60.0, 4.0], [100.0, 100.0, 200.0]), "part of it on the block");
+        }
+        let low_sun = Origin::Far(Vec3::new(-1.0, -0.9, 0.2).normalize());
+        assert!(is_hidden(&tracer, low_sun, &around([70.0, 70.0, 4.0], [100.0, 100.0, 30.0])));
+        assert!(!is_hidden(&tracer, low_sun, &around([70.0, 70.0, 4.0], [100.0, 100.0, 130.0])));
+    }
+
+    #[test]
+    fn a_missing_face_lets_light_through() {
+        let mut polygons = Vec::new();
+        block([-64, -64, 0], [128, 128, 128], 4, &mut polygons);
+        let box_behind = around([70.0, -90.0, 4.0], [100.0, 90.0, 170.0]);
+        let light = Origin::Point(Vec3::new(-300.0, 1.0, 40.0));
+        assert!(is_hidden(&Tracer::new(polygons.clone()), light, &box_behind));
+        // Only the side towards the light counts, as the search begins there.
+        polygons.retain(|p| p.normal != Vec3::X);
+        let whole = polygons.clone();
+        let towards = |p: &Polygon| p.normal == -Vec3::X;
+        for hole in (0..whole.len()).filter(|&i| towards(&whole[i])) {
+            let mut holed = whole.clone();
+            holed.remove(hole);
+            assert!(!is_hidden(&Tracer::new(holed), light, &box_behind), "face {hole}");
+        }
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(400))]
+        #[test]
+        fn what_is_hidden_gets_no_ray(
+            blocks in prop::collection::vec(
+                (prop::array::uniform3(-60_i16..40), prop::array::uniform3(1_i16..9), 1_i16..4), 1..6),
+            light in prop::array::uniform3(-120_i16..120),
+            boxes in prop::collection::vec(
+                (prop::array::uniform3(-120_i16..120), prop::array::uniform3(0_i16..30)), 12),
+            far in any::<bool>(),
+            raised in prop_oneof![Just(0.0_f32), Just(0.03)],
+        ) {
+            let mut polygons = Vec::new();
+            for (low, size, cuts) in blocks {
+                // So that faces end at whole numbers.
+                block(low, size.map(|s| 12 * s), cuts, &mut polygons);
+            }
+            let tracer = Tracer::new(polygons);
+            let light = Vec3::from(light.map(f32::from)) + raised;
+            let way = light.normalize_or(Vec3::Z);
+            let origin = if far { Origin::Far(way) } else { Origin::Point(light) };
+            for (low, size) in boxes {
+                let low = Vec3::from(low.map(f32::from));
+                let size = Vec3::from(size.map(f32::from));
+                let bounds = Bounds::around([low, low + size].into_iter()).unwrap();
+                if !is_hidden(&tracer, origin, &bounds) {
+                    continue;
+                }
+                for k in 0..125_u8 {
+                    let share = [k % 5, k / 5 % 5, k / 25].map(|i| f32::from(i) / 4.0);
+                    let at = low + size * Vec3::from(share);
+                    let mut rays = ShadowRays::new(&tracer);
+                    let reaches = if far {
+                        rays.first_hit(at, way, 1e6).is_none()
+                    } else {
+                        !rays.blocked(at, light)
+                    };
+                    prop_assert!(!reaches, "{origin:?} reaches {at}");
+                }
+            }
+        }
     }
 }
