@@ -77,8 +77,11 @@ impl Item {
         let high = free().fold(Vec3::NEG_INFINITY, Vec3::max);
         let (row, cell) =
             (face.luxels.as_ref().map_or(1, |g| g.width * cell) as usize, cell as usize);
-        let is_looked_up =
-            |i: &usize| !samples[*i].occluded && i % row % cell == 0 && i / row % cell == 0;
+        let is_looked_up = |i: &usize| {
+            !samples[*i].occluded
+                && (i % row).is_multiple_of(cell)
+                && (i / row).is_multiple_of(cell)
+        };
         let leaf = |i: usize| scene.visibility.leaf(&scene.solid, samples[i].position);
         let mut leafs: Vec<_> = (0..samples.len()).filter(is_looked_up).map(leaf).collect();
         if leafs.is_empty() {
