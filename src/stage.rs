@@ -16,6 +16,7 @@ use crate::{Error, Result};
 use rayon::prelude::*;
 use std::borrow::Cow;
 use std::collections::BTreeSet;
+use std::sync::Arc;
 
 /// Longest edge of the largest patches in luxels.
 const LARGEST_PATCH: u32 = 256;
@@ -75,11 +76,13 @@ pub(crate) fn direct(
     progress: &Progress,
 ) -> Vec<DirectLight> {
     let stage = progress.stage("direct light", samples.len());
+    let cell = if settings.exact_extra { 1 } else { settings.smoothing.extra };
+    let candidates = Arc::new(light::Candidates::find(scene, samples, cell));
     samples
         .par_iter()
         .enumerate()
         .map_init(
-            || light::Blockers::new(scene),
+            || light::Blockers::among(scene, Arc::clone(&candidates)),
             |blockers, (face, samples)| {
                 let directions = if settings.outputs.directions() {
                     Directions::wanted()

@@ -1,12 +1,13 @@
 //! What makes direct light fast must not change it.
 
 use qrad::bsp::Bsp;
-use qrad::light::{Blockers, Directions, direct, direct_from};
+use qrad::light::{Blockers, Candidates, Directions, direct, direct_from};
 use qrad::light_bsp;
 use qrad::progress::Progress;
 use qrad::scene::{Scene, SceneSettings, Sidecar, luxels};
 use qrad::settings::Settings;
 use std::path::Path;
+use std::sync::Arc;
 
 fn map(name: &str) -> Bsp {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("maps").join(name);
@@ -105,4 +106,31 @@ fn supersamples_with_dirt_are_lit_alike_together_and_alone() {
     let dirt = [("_dirt", "1")];
     assert!(compare_with_single_samples("effects_all.bsp", (4, 16), &dirt) > 3000);
     assert!(compare_with_single_samples("atrium.bsp", (4, 256), &dirt) > 2000);
+}
+
+#[test]
+fn lights_left_out_for_groups_of_surfaces_give_none() {
+    for (name, extra, most) in
+        [("effects_all.bsp", 1, 1.0), ("atrium.bsp", 1, 0.4), ("slit.bsp", 2, 1.0)]
+    {
+        let settings = SceneSettings { extra, ..SceneSettings::default() };
+        let scene = Scene::build(&map(name), Sidecar::default(), &settings).unwrap();
+        let faces = 0..scene.surfaces.len();
+        let samples: Vec<_> = faces.clone().map(|f| luxels::place(&scene, f, extra)).collect();
+        let candidates = Arc::new(Candidates::find(&scene, &samples, 1));
+        let mut few = Blockers::among(&scene, Arc::clone(&candidates));
+        let mut all = Blockers::new(&scene);
+        let mut pairs = 0;
+        for face in faces {
+            let lit = |blockers| {
+                let samples = &samples[face];
+                let light = direct_from(&scene, face, samples, Directions::default(), blockers);
+                (light.styles, light.negative, light.excess)
+            };
+            assert!(lit(&mut few) == lit(&mut all), "{name}, face {face}");
+            pairs += candidates.of(face).len();
+        }
+        let share = pairs as f64 / (scene.surfaces.len() * scene.lights.len().max(1)) as f64;
+        assert!(share <= most, "{name}: {share} of all pairs of a surface and a light are left");
+    }
 }

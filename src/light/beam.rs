@@ -8,7 +8,7 @@ use super::wanted::Wanted;
 use super::{Blockers, BoundingSphere, FEW_RAYS, FaceDirt, MANY_RAYS, attenuation, point};
 use crate::scene::effects::COMPILED;
 use crate::scene::exact::{brightness, length};
-use crate::scene::{Arrival, DirtKeys, LightRays, Reach, Sample, Scene, Surface};
+use crate::scene::{Arrival, DirtKeys, Hidden, LightRays, Reach, Sample, Scene, Surface};
 use glam::Vec3;
 
 /// A light as one surface sees it.
@@ -61,6 +61,15 @@ impl Beam<'_, '_> {
             colour *= self.dirt.factor(i, &light.dirt, length(light.origin - at));
         }
         (brightness(colour).abs() > world.gate).then_some(colour)
+    }
+
+    /// Whether all of a tile is surely in the dark, behind what blocked the last ray that was blocked
+    /// and what is joined to that.
+    fn is_walled_off(&mut self, tile: &Tile) -> bool {
+        let light = self.scene.lights[self.light].origin;
+        let Some(blocker) = self.rays.blocker() else { return false };
+        self.rays.look_at(&tile.bounds, light)
+            && matches!(self.rays.hidden_by(blocker), Hidden::All(_))
     }
 
     /// Remembers what blocked the last ray that was blocked.
@@ -117,7 +126,7 @@ impl Source for Beam<'_, '_> {
         let lit = count < FEW_RAYS || self.look(wanted.one(members), wanted);
         if !lit && shadowed {
             self.remember();
-            if self.is_covered(tile) {
+            if self.is_covered(tile) || self.is_walled_off(tile) {
                 return;
             }
         }

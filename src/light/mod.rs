@@ -6,6 +6,7 @@ mod attenuation;
 mod beam;
 mod blockers;
 mod bounce_source;
+mod candidates;
 mod cells;
 mod directions;
 mod dirt;
@@ -28,6 +29,7 @@ mod wanted;
 
 pub use blockers::Blockers;
 pub use bounce_source::bounce_source;
+pub use candidates::Candidates;
 pub use directions::{Directions, StyleDirections, strength};
 pub use dirt::FaceDirt;
 pub use in_time::{InTime, Receivers, direct_in_time};
@@ -140,7 +142,9 @@ fn light(
     let leafs = Leafs::of(scene, samples, points.first());
     let mut wanted = Wanted::new(samples.len());
     let mut totals = Totals::new(scene, &points, samples.len(), &mut result);
-    for (index, light) in scene.lights.iter().enumerate() {
+    for index in blockers.lights_of(index) {
+        let index = index as usize;
+        let light = &scene.lights[index];
         let reach = scene.visibility.of_light(index);
         if !leafs.distinct.iter().any(|l| reach.includes(*l)) {
             continue;

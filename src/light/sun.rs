@@ -61,6 +61,13 @@ impl<'a, 's> SunBeam<'a, 's> {
         Some(Self { scene, sun, surface, samples, dirt, keys, rays })
     }
 
+    /// Whether the sky is surely hidden from all of a tile, by what hid it from the last ray that did not
+    /// get there and what is joined to that.
+    fn is_walled_off(&mut self, tile: &Tile) -> bool {
+        let (blocker, direction) = (self.rays.blocker_of_sky(), self.sun.to_sun);
+        blocker.is_some_and(|polygon| self.rays.see_no_sky(&tile.bounds, direction, polygon))
+    }
+
     /// Traces the rays from some samples; whether light arrives at the last of them.
     fn look(&mut self, members: &[u32], wanted: &mut Wanted) -> bool {
         wanted.look(members, |i, colour, filtered| {
@@ -88,7 +95,11 @@ impl Source for SunBeam<'_, '_> {
         if count == 0 {
             return;
         }
-        if count >= FEW_RAYS && (count >= MANY_RAYS || self.look(wanted.one(members), wanted)) {
+        let lit = count < FEW_RAYS || self.look(wanted.one(members), wanted);
+        if !lit && self.is_walled_off(tile) {
+            return;
+        }
+        if count >= MANY_RAYS || lit && count >= FEW_RAYS {
             let floor = tiles.floor_along(tile, self.sun.to_sun);
             let narrow = self.rays.skywards(&tile.bounds, floor, self.sun.to_sun, count);
             let parts = tiles.parts(tile);

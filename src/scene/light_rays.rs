@@ -11,6 +11,7 @@ use super::shaft::{Floor, Shaft};
 use super::sky_rays::View;
 use super::tie;
 use super::umbra::Bounds;
+use super::walls::{Cover, Hidden, Origin};
 use glam::Vec3;
 
 /// Length of rays to the sky, in world units.
@@ -53,6 +54,9 @@ pub struct LightRays<'a> {
     tested: u64,
     /// Whether the last ray of light met a filter.
     met_filter: bool,
+    cover: Cover,
+    /// The sky in a shaft.
+    sky: Narrow,
 }
 
 /// A straight way of light.
@@ -77,6 +81,8 @@ impl<'a> LightRays<'a> {
             crossed: Vec::new(),
             tested: 0,
             met_filter: false,
+            cover: Cover::default(),
+            sky: Narrow::default(),
         }
     }
 
@@ -104,6 +110,44 @@ impl<'a> LightRays<'a> {
     /// The polygon that blocked the last ray between two points that was blocked.
     pub fn blocker(&self) -> Option<u32> {
         self.opaque.last_blocker
+    }
+
+    /// The polygon that hid the sky from the last ray that did not get there.
+    pub(crate) fn blocker_of_sky(&self) -> Option<u32> {
+        self.opaque.last_before_sky
+    }
+
+    /// A polygon between two points, near the first; `None` if there is none.
+    pub(crate) fn first_blocker(&mut self, from: Vec3, to: Vec3) -> Option<u32> {
+        self.opaque.last_blocker = None;
+        if self.opaque.blocked(from, to) { self.opaque.last_blocker } else { None }
+    }
+
+    /// From now on [`Self::hidden_by`] speaks of a box and the light of a point. False if the box is too
+    /// wide for answers.
+    pub(crate) fn look_at(&mut self, bounds: &Bounds, light: Vec3) -> bool {
+        self.cover.look_at(bounds, Origin::Point(light))
+    }
+
+    /// How much of the box surely gets no light because of `polygon` and those joined to it.
+    pub(crate) fn hidden_by(&mut self, polygon: u32) -> Hidden {
+        self.cover.hidden_by(self.opaque.tracer, polygon, |_| true)
+    }
+
+    /// Whether all rays of a box in the unit direction `direction` surely meet something other than sky
+    /// first: `polygon` and those joined to it, or what is before them.
+    pub(crate) fn see_no_sky(&mut self, bounds: &Bounds, direction: Vec3, polygon: u32) -> bool {
+        let sky = &self.scene.sky;
+        let is_other = |p: u32| !sky.is_sky[p as usize];
+        if !is_other(polygon) || !self.cover.look_at(bounds, Origin::Far(direction)) {
+            return false;
+        }
+        let hidden = self.cover.hidden_by(self.opaque.tracer, polygon, is_other);
+        let Hidden::All(far) = hidden else { return false };
+        let end = bounds.moved(direction.as_dvec3() * far);
+        let nothing = Limits { triangles: 0, steps: usize::MAX };
+        let shaft = Shaft::new(bounds, &end, None);
+        self.sky.enter(sky.tracer.wide(), &shaft, nothing, |_| true)
     }
 
     /// Rays between two points run from `from` to `light` from now on, in front of `floor`, and are

@@ -55,6 +55,7 @@ mod tracer;
 mod umbra;
 mod unknown_names;
 mod visibility;
+mod walls;
 mod wander;
 mod wide_tree;
 mod winding;
@@ -89,6 +90,7 @@ pub use surface_lights::Emitter;
 pub use tracer::{Hit, Node, Polygon, Tracer};
 pub(crate) use umbra::{Bounds, Umbra};
 pub use visibility::{Reach, Visibility};
+pub(crate) use walls::Hidden;
 pub use world::{WorldSettings, style_range};
 
 use std::sync::Arc;

@@ -1,6 +1,7 @@
 //! The polygons of a scene in a bounding volume hierarchy. The only file that uses `obvhs`.
 
 use super::pieces::Pieces;
+use super::walls::Walls;
 use super::wide_tree::WideTree;
 use glam::Vec3;
 use obvhs::BvhBuildParams;
@@ -67,6 +68,8 @@ pub struct Tracer {
     solid: u32,
     /// Made when a hemicube is drawn first.
     pieces: OnceLock<Pieces>,
+    /// Made when a wall is looked for first.
+    walls: OnceLock<Walls>,
 }
 
 impl Tracer {
@@ -114,6 +117,7 @@ impl Tracer {
             wide: WideTree::default(),
             solid: 0,
             pieces: OnceLock::new(),
+            walls: OnceLock::new(),
         };
         tracer.wide = WideTree::new(&tracer.nodes, |slot| {
             let (corners, _, polygon) = tracer.polygon(slot);
@@ -153,6 +157,11 @@ impl Tracer {
     /// The polygons for hemicubes.
     pub fn pieces(&self) -> &Pieces {
         self.pieces.get_or_init(|| Pieces::new(self))
+    }
+
+    /// How the polygons are joined.
+    pub(super) fn walls(&self) -> &Walls {
+        self.walls.get_or_init(|| Walls::new(&self.polygons))
     }
 
     /// Corner points, normal and index of the polygon in a leaf's slot.

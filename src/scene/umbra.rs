@@ -24,6 +24,16 @@ impl Bounds {
         Some(Self { middle: (min + max) * 0.5, half: (max - min) * 0.5 })
     }
 
+    /// Middle, rounded.
+    pub fn centre(&self) -> Vec3 {
+        self.middle.as_vec3()
+    }
+
+    /// Distance from the middle to a corner.
+    pub fn radius(&self) -> f32 {
+        self.half.length() as f32
+    }
+
     /// The box of all places at which its points are after a move by `way`.
     pub fn moved(&self, way: DVec3) -> Self {
         Self { middle: self.middle + way, half: self.half }
