@@ -236,9 +236,13 @@ fn shared_rows_tell_almost_the_same_light() {
         let near = |(a, b): (&f32, &f32)| (a - b).abs() <= b * 2.0_f32.powi(-11);
         assert!(kept.iter().zip(&factors).all(near), "patch {i}");
     }
-    for (a, b) in exact.iter().zip(all.gather(&exitance)) {
-        assert!((a.x - b.x).abs() <= 1e-4 * b.x, "{a} and {b}");
-    }
+    let single = all.gather(&exitance);
+    let off =
+        exact.iter().zip(&single).filter(|(_, b)| b.x > 0.0).map(|(a, b)| (a.x / b.x - 1.0).abs());
+    let worst = off.fold(0.0, f64::max);
+    println!("two bytes a form factor: irradiance off by {worst:.1e} at worst");
+    // No light is negative: none can be further off than the factors are.
+    assert!(worst > 0.0 && worst <= 2.0_f64.powi(-11), "{worst}");
     let some = shared(0.25);
     assert!(some.stored() * 10 < some.rows() * 9, "{} of {}", some.stored(), some.rows());
     let light = some.gather(&exitance);
