@@ -12,7 +12,7 @@ use qrad::radiosity::hemicube::{Cells, HemicubeSize, ItemBuffer, SIDES, SideId, 
 use qrad::radiosity::per_ray;
 use qrad::scene::Tracer;
 use std::hint::black_box;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 const SIZES: [u32; 4] = [16, 32, 64, 256];
@@ -32,8 +32,15 @@ fn maps() -> Vec<PathBuf> {
     maps
 }
 
+/// As maps are drawn, whose faces have solid space behind them.
+fn on_solid(map: &Path, count: usize) -> (Tracer, Vec<View>) {
+    let (tracer, views) = views::bsp_views(map, count);
+    let polygons = tracer.polygons().len();
+    (tracer.on_solid(polygons), views)
+}
+
 fn atrium() -> (Tracer, Vec<View>) {
-    views::bsp_views(&maps()[0], 100)
+    on_solid(&maps()[0], 100)
 }
 
 #[divan::bench(args = SIZES)]
@@ -87,7 +94,7 @@ fn main() {
     divan::main();
     println!("\nmap            cells   item buffer   one ray a cell   times faster   same cells");
     for map in maps() {
-        let (tracer, views) = views::bsp_views(&map, 20);
+        let (tracer, views) = on_solid(&map, 20);
         for cells in SIZES {
             let size = HemicubeSize::new(cells, cells).unwrap();
             let mut buffer = ItemBuffer::new(size);

@@ -25,6 +25,5 @@ pub fn bsp_views(path: &Path, count: usize) -> (Tracer, Vec<View>) {
         }
         polygons.push(Polygon { vertices, normal });
     }
-    let count = polygons.len();
-    (Tracer::new(polygons).on_solid(count), views)
+    (Tracer::new(polygons), views)
 }

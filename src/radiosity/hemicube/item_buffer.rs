@@ -10,9 +10,9 @@ use super::{HemicubeSize, SIDES, SideId, View};
 use crate::scene::{Piece, Pieces, Tracer};
 use glam::Vec3;
 
-/// Backs are looked for that reach farther from their middle than this many cells of depth 1: what is seen
-/// from within solid space has some.
-const LARGE: f32 = 2.0;
+/// Backs are looked for that reach farther from their middle than so many cells are wide: what is seen from
+/// within solid space has some.
+const LARGE: f32 = 1.0;
 /// A point shows if its cell's nearness is less than this share of its own.
 const HIDDEN: f32 = 0.999;
 
@@ -154,15 +154,20 @@ impl ItemBuffer {
         self.backs = backs;
     }
 
-    /// Whether a piece is large and its middle is not hidden, and it fills a cell when it is drawn.
+    /// Whether a piece is large and its middle is not hidden, or close, and fills a cell when it is drawn.
     fn back_shows<V: Lanes>(&mut self, piece: &Piece<V>, frame: &Frame, sides: SideSet) -> bool {
         let cell = 2.0 / self.size.width().min(self.size.height()) as f32;
-        let distance = cell * LARGE * frame.eye_from(piece.middle).length();
-        if piece.radius_squared < distance * distance {
+        let distance = frame.eye_from(piece.middle).length();
+        let reach = piece.radius_squared.sqrt();
+        if reach < cell * LARGE * distance {
             return false;
         }
-        let Some((number, [x, y, depth])) = frame.place(piece.middle) else { return false };
-        self.sides[number].at(x, y).1 * depth < HIDDEN && self.draw_back(piece, frame, sides)
+        // What comes close may be seen though its middle is hidden, or below the horizon.
+        let shows = reach > distance
+            || frame.place(piece.middle).is_some_and(|(number, [x, y, depth])| {
+                self.sides[number].at(x, y).1 * depth < HIDDEN
+            });
+        shows && self.draw_back(piece, frame, sides)
     }
 
     /// As `draw_piece`, and apart from it, as that is quick where it is called in one place.
