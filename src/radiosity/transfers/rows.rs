@@ -309,7 +309,7 @@ mod tests {
         let scattered = |i: u32| (0..150).map(|k| i + 7 * k * (k % 5 + 1)).collect::<Vec<u32>>();
         let mut sparse: Vec<Vec<u32>> = (0..32).map(scattered).collect();
         sparse.iter_mut().for_each(|row| row.sort_unstable());
-        sparse.iter_mut().for_each(|row| row.dedup());
+        sparse.iter_mut().for_each(Vec::dedup);
         let half: Vec<Vec<u32>> =
             (0..32).map(|i| (i..3000).filter(|j| j % 40 < 36).collect()).collect();
         for (rows, single, short) in [(&sparse, 6.2, 4.2), (&half, 4.7, 2.5)] {
