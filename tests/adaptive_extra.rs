@@ -106,7 +106,8 @@ fn few_luxels_differ_and_most_rays_are_saved() {
         agrees(&found, 2000, 0.005);
         sum.add(&found);
     }
-    assert!(sum.rays[1] * 3 < sum.rays[0], "{sum:?}");
+    // Walls spare the exact way many rays as well: before them it was three times.
+    assert!(sum.rays[1] * 5 < sum.rays[0] * 2, "{sum:?}");
 }
 
 #[test]
