@@ -13,7 +13,7 @@ root=$(cd "$(dirname "$0")/.." && pwd)
 folder=${2:-$root/target/accuracy}
 scenes=${SCENES:-wedge5 tinylight_box cornell_small slit_rooms}
 maps=${MAPS:-start lqdm2 lqdm1}
-demo=${DEMO:-atrium slit effects_all}
+demo=${DEMO:-atrium effects_all}
 asked_scenes=${ASKED_SCENES:-$(cd "$shared/scenes/truth" && ls ./*.csv | sed 's|^./||; s|\.csv$||' |
     grep -v -e cornell_8000 -e _shift -e _x1e)}
 asked_maps=${ASKED_MAPS:-start lqdm1 lqdm2 lq_e0m1_nodirt}
