@@ -146,7 +146,7 @@ mod tests {
         let mut rows = Found::new(precision);
         let distances = |openness, nearest| Distances { openness, nearest };
         let all: Vec<_> = (0..PATCHES as u32).map(|j| (PatchId(j), 1.0 / 32.0)).collect();
-        let few = [(PatchId(1), 0.25), (PatchId(2), 0.5)];
+        let few = [(PatchId(1), 0.125), (PatchId(2), 0.0625)];
         rows.push(if dense { &all } else { &few }, distances(8.0, 1.0));
         rows.push(&[], distances(f32::INFINITY, f32::INFINITY));
         rows.push(if dense { &all[9..] } else { &few[1..] }, distances(2.0, 1.5));

@@ -57,9 +57,7 @@ impl Found {
     }
 
     pub(super) fn push(&mut self, row: &[(PatchId, f64)], distances: Distances) {
-        let from = self.entries.len();
         self.entries.extend(row.iter().map(|&(j, f)| (j.0, f as f32)));
-        self.precision.round(self.entries[from..].iter_mut().map(|(_, f)| f));
         self.ends.push(self.entries.len() as u32);
         self.distances.push(distances);
     }
@@ -69,7 +67,12 @@ impl Found {
     }
 
     /// Keeps them in whichever way takes less.
-    pub(super) fn keep(self) -> Chunk {
+    pub(super) fn keep(mut self) -> Chunk {
+        self.precision = self.precision.fit_for(self.entries.iter().map(|e| e.1));
+        for i in 0..self.ends.len() {
+            let row = &mut self.entries[part(&self.ends, i)];
+            self.precision.round(row.iter_mut().map(|(_, f)| f));
+        }
         let block = |two: &[(u32, f32)], k: usize| two[k].0 as usize / BLOCK;
         let blocks =
             |row: &[(u32, f32)]| 1 + row.windows(2).filter(|r| block(r, 0) != block(r, 1)).count();
@@ -252,7 +255,7 @@ mod tests {
     const PATCHES: usize = 700_001;
 
     fn weight(j: u32) -> f64 {
-        1.0 / f64::from(j % 7 + 2)
+        0.1 / f64::from(j % 7 + 2)
     }
 
     fn kept(rows: &[Vec<u32>], precision: Precision) -> Chunk {
