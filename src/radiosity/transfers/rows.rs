@@ -17,6 +17,8 @@ pub(super) const PAGE: usize = 1 << 16;
 /// Rows as they were found, before they are kept.
 pub(super) struct Found {
     precision: Precision,
+    /// What the row needs that needs most.
+    kept: Precision,
     entries: Vec<(u32, f32)>,
     /// Where the entries of each row end.
     ends: Vec<u32>,
@@ -53,11 +55,17 @@ pub(super) struct Tile {
 
 impl Found {
     pub(super) fn new(precision: Precision) -> Self {
-        Self { precision, entries: Vec::new(), ends: Vec::new(), distances: Vec::new() }
+        let kept = precision;
+        Self { precision, kept, entries: Vec::new(), ends: Vec::new(), distances: Vec::new() }
     }
 
     pub(super) fn push(&mut self, row: &[(PatchId, f64)], distances: Distances) {
+        let from = self.entries.len();
         self.entries.extend(row.iter().map(|&(j, f)| (j.0, f as f32)));
+        let row = &mut self.entries[from..];
+        let precision = self.precision.fit_for(row.iter().map(|e| e.1));
+        precision.round(row.iter_mut().map(|(_, f)| f));
+        self.kept = self.kept.max(precision);
         self.ends.push(self.entries.len() as u32);
         self.distances.push(distances);
     }
@@ -67,23 +75,18 @@ impl Found {
     }
 
     /// Keeps them in whichever way takes less.
-    pub(super) fn keep(mut self) -> Chunk {
-        self.precision = self.precision.fit_for(self.entries.iter().map(|e| e.1));
-        for i in 0..self.ends.len() {
-            let row = &mut self.entries[part(&self.ends, i)];
-            self.precision.round(row.iter_mut().map(|(_, f)| f));
-        }
+    pub(super) fn keep(self) -> Chunk {
         let block = |two: &[(u32, f32)], k: usize| two[k].0 as usize / BLOCK;
         let blocks =
             |row: &[(u32, f32)]| 1 + row.windows(2).filter(|r| block(r, 0) != block(r, 1)).count();
-        let (blocks, weight) = (self.rows().map(blocks).sum::<usize>(), self.precision.bytes());
+        let (blocks, weight) = (self.rows().map(blocks).sum::<usize>(), self.kept.bytes());
         // At most, as if each block were a run.
         let in_blocks = blocks * (BLOCK * weight + size_of::<[u16; 2]>());
         let dense = in_blocks < self.entries.len() * (weight + size_of::<u16>());
         let columns = self.entries.iter().map(|e| e.0 as usize + 1).max().unwrap_or(0);
         let mut chunk = Chunk { dense, ..Chunk::default() };
         for first in (0..columns).step_by(chunk.width()) {
-            let mut tile = Tile::new(self.precision);
+            let mut tile = Tile::new(self.kept);
             for row in self.rows() {
                 let at = |column: usize| row.partition_point(|e| (e.0 as usize) < column);
                 tile.push(&row[at(first)..at(first + chunk.width())], first as u32, dense);

@@ -1,13 +1,13 @@
 //! Form factors as they are kept: in single precision, or in two bytes each.
 
 /// How exactly form factors are kept.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Precision {
-    /// In four bytes.
+    /// In two bytes, each within 2^-11 of itself; the sum of a row stays. For factors below 0.25.
+    Short,
+    /// In four.
     #[default]
     Single,
-    /// In two, each within 2^-11 of itself; the sum of a row stays. For factors below 0.25.
-    Short,
 }
 
 /// Many form factors.
