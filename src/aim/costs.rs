@@ -15,6 +15,8 @@ const PATCH_SIZES: [u32; 3] = [2, 4, 8];
 const CELLS: [u32; 3] = [16, 32, 64];
 /// Hemicubes of each size that are timed.
 const SAMPLED: usize = 96;
+/// Patches beside each other that are timed together.
+const NEIGHBOURS: usize = 4;
 /// Interpolating a luxel takes this share of a hemicube of 16 cells.
 const INTERPOLATED: f64 = 0.06;
 /// A luxel's hemicube takes this times that of a patch, as it keeps no row.
@@ -81,11 +83,13 @@ impl Costs {
         let patches: Vec<(u32, MapPatches)> = patch_sizes.iter().map(cut).collect();
         let (finest_size, finest) = &patches[0];
         let count = finest.set.patches.len();
+        // In a run a hemicube finds in the cache what its neighbours left there.
         let step = count.div_ceil(sampled).max(1);
         let time = |&cells: &u32| {
             let size = HemicubeSize::new(cells, cells).expect("even and in range");
             let delta = DeltaFormFactors::new(size);
-            let chosen: Vec<usize> = (0..count).step_by(step).collect();
+            let chosen: Vec<usize> =
+                (0..count).filter(|i| (i / NEIGHBOURS).is_multiple_of(step)).collect();
             let start = Instant::now();
             let lengths: Vec<[usize; 2]> = chosen
                 .par_iter()
