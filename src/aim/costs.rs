@@ -83,11 +83,11 @@ impl Costs {
         let patches: Vec<(u32, MapPatches)> = patch_sizes.iter().map(cut).collect();
         let (finest_size, finest) = &patches[0];
         let count = finest.set.patches.len();
-        // In a run a hemicube finds in the cache what its neighbours left there.
         let step = count.div_ceil(sampled).max(1);
         let time = |&cells: &u32| {
             let size = HemicubeSize::new(cells, cells).expect("even and in range");
             let delta = DeltaFormFactors::new(size);
+            // In a run a hemicube finds in the cache what its neighbours left there.
             let chosen: Vec<usize> =
                 (0..count).filter(|i| (i / NEIGHBOURS).is_multiple_of(step)).collect();
             let start = Instant::now();

@@ -26,7 +26,8 @@ pub struct Energy {
 }
 
 impl Energy {
-    /// Of a solution: `exitance` has one entry a patch, and may have those of glows. `None` if nothing is sent to any patch.
+    /// Of a solution: `exitance` has one entry a patch, and may have those of glows. `None` if nothing is
+    /// sent to any patch.
     pub fn new(patches: &PatchSet, transfers: &Transfers, exitance: &[DVec3]) -> Option<Self> {
         let received = transfers.gather(exitance);
         // What others see of each patch, times its area; and how many see it. Liquids take light, but no

@@ -234,8 +234,7 @@ pub struct Run<'a> {
 pub fn check_luxels(run: &Run<'_>, end: Deadline<'_>) -> (Option<Findings>, Option<Energy>) {
     let Sources { scene, patches, transfers, light } = run.sources;
     let passages = passages(&patches.set);
-    let count = patches.set.patches.len();
-    let columns = count + patches.set.overlay.as_deref().map_or(0, |o| o.glows().len());
+    let (count, columns) = (patches.set.patches.len(), patches.set.columns());
     let total = |each: &mut dyn Iterator<Item = &[Exitance]>| {
         let mut sum = vec![Vec3::ZERO; columns];
         for style in each {

@@ -67,6 +67,13 @@ pub struct PatchSet {
     pub overlay: Option<Arc<Overlay>>,
 }
 
+impl PatchSet {
+    /// Number of columns of light: one for each patch, and after them one for each glow of the overlay.
+    pub fn columns(&self) -> usize {
+        self.patches.len() + self.overlay.as_deref().map_or(0, |overlay| overlay.glows().len())
+    }
+}
+
 /// Diffuse transmission: light that meets a patch and leaves another, the other side of the sheet.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Passage {

@@ -201,7 +201,7 @@ impl MapPatches {
     pub fn emission(&self, emitters: &[Emitter]) -> Vec<Emission> {
         let mut styles: Vec<Emission> = Vec::new();
         let overlay = self.set.overlay.as_deref();
-        let columns = self.surface.len() + overlay.map_or(0, |o| o.glows().len());
+        let columns = self.set.columns();
         for e in emitters {
             let i = styles.iter().position(|s| s.style == e.style).unwrap_or_else(|| {
                 let exitance = vec![Exitance::ZERO; columns];

@@ -109,8 +109,7 @@ impl<'a> Start<'a> {
     ) -> Self {
         let luxels = luxels_of(direct, style);
         let of_lights = patches.mean_irradiance(&luxels);
-        let glows = patches.set.overlay.as_deref().map_or(0, |overlay| overlay.glows().len());
-        let dark = Cow::Owned(vec![Exitance::ZERO; of_lights.len() + glows]);
+        let dark = Cow::Owned(vec![Exitance::ZERO; patches.set.columns()]);
         let mut start = Self {
             style,
             luxels,

@@ -40,8 +40,7 @@ pub(super) struct Shown<'a> {
 impl<'a> OverlayView<'a> {
     /// `None` where the patches have no overlay.
     pub fn new(patches: &'a PatchSet) -> Option<Self> {
-        let glows = patches.overlay.as_deref().map_or(0, |o| o.glows().len());
-        let count = patches.patches.len() + glows;
+        let count = patches.columns();
         let varied = |overlay: &Overlay| {
             let all = patches.lookup.polygons().iter().filter(|_| overlay.has_patterns());
             all.map(|polygon| overlay.may_vary(polygon)).collect()

@@ -173,8 +173,9 @@ impl View {
         }
     }
 
-    /// Adds the edges of a polygon, the first of which is to hold the middle of the box. The answer is how far away it is at most, for light from far away;
-    /// `None` if it is not before all of the box, or may not count.
+    /// Adds the edges of a polygon, the first of which is to hold the middle of the box. The answer is how
+    /// far away it is at most, for light from far away; `None` if it is not before all of the box, or may
+    /// not count.
     fn add(
         &self,
         walls: &Walls,

@@ -9,6 +9,7 @@ use super::side::{NOTHING, Side};
 use super::{HemicubeSize, SIDES, SideId, View};
 use crate::scene::{Piece, Pieces, Tracer};
 use glam::Vec3;
+use std::ops::Range;
 
 /// Backs are looked for that reach farther from their middle than so many cells are wide: what is seen from
 /// within solid space has some.
@@ -88,22 +89,8 @@ impl ItemBuffer {
             if node.count > 0 {
                 // Polygons are tested by themselves, more exactly than by their box.
                 let [small, large] = pieces.of(node).clone();
-                for k in small {
-                    let piece = &pieces.small()[k];
-                    if is_back(piece, frame) {
-                        self.backs[0].push((k, sides));
-                    } else {
-                        self.draw_piece(piece, frame, sides);
-                    }
-                }
-                for k in large {
-                    let piece = &pieces.large()[k];
-                    if is_back(piece, frame) {
-                        self.backs[1].push((k, sides));
-                    } else {
-                        self.draw_piece(piece, frame, sides);
-                    }
-                }
+                self.draw_leaf::<_, 0>(pieces.small(), small, frame, sides);
+                self.draw_leaf::<_, 1>(pieces.large(), large, frame, sides);
                 continue;
             }
             let corners = frame.corners(node);
@@ -121,6 +108,24 @@ impl ItemBuffer {
                 if seen[k] != 0 {
                     self.stack.push((children[k], seen[k]));
                 }
+            }
+        }
+    }
+
+    /// Draws pieces of a leaf, or adds them to list `BACKS` of backs.
+    #[inline(always)]
+    fn draw_leaf<V: Lanes, const BACKS: usize>(
+        &mut self,
+        pieces: &[Piece<V>],
+        places: Range<usize>,
+        frame: &Frame,
+        sides: SideSet,
+    ) {
+        for k in places {
+            if is_back(&pieces[k], frame) {
+                self.backs[BACKS].push((k, sides));
+            } else {
+                self.draw_piece(&pieces[k], frame, sides);
             }
         }
     }
