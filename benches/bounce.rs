@@ -53,9 +53,9 @@ mod transfers {
     fn shared(bencher: Bencher<'_, '_>, name: &str) {
         let map = prepared(name);
         let set = &map.patches.set;
-        let (leaders, small) = (map.patches.leaders(), map.patches.small());
+        let (groups, small) = (map.patches.groups(), map.patches.small());
         let share = map.settings.share;
-        let sharing = Sharing { leaders: &leaders, share, small: &small };
+        let sharing = Sharing { groups: &groups, share, small: &small };
         let (tracer, size) = (map.scene.bounce_tracer(), map.settings.hemicube);
         bencher.bench_local(|| Transfers::shared(tracer, set, sharing, size, |_| {}).len());
     }

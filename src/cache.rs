@@ -15,7 +15,7 @@ use std::time::{SystemTime, UNIX_EPOCH};
 /// Ending of the files.
 const EXTENSION: &str = "qradcache";
 /// First bytes of each, with the version of what follows.
-const MAGIC: &[u8; 16] = b"qrad transfers 4";
+const MAGIC: &[u8; 16] = b"qrad transfers 5";
 /// Bytes of a digest.
 const DIGEST: usize = blake3::OUT_LEN;
 /// The most files that a folder keeps: the oldest go.
@@ -107,7 +107,7 @@ impl Key {
     pub fn new(
         tracer: &Tracer,
         patches: &PatchSet,
-        Sharing { leaders, share, small }: Sharing<'_>,
+        Sharing { groups, share, small }: Sharing<'_>,
         size: HemicubeSize,
     ) -> Self {
         let mut digest = Digest::default();
@@ -123,7 +123,7 @@ impl Key {
             let points = [patch.eye, patch.normal];
             points.iter().for_each(|v| digest.words(v.to_array().map(f32::to_bits)));
         }
-        leaders.iter().for_each(|&leader| digest.word(leader));
+        groups.of.iter().for_each(|&group| digest.word(group));
         small.iter().for_each(|&small| digest.word(small.into()));
         patches.lookup.words(&mut |word| digest.word(word));
         Self(digest.finish())

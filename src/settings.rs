@@ -83,7 +83,7 @@ impl Quality {
     /// How readily neighbouring patches share a hemicube: see [`Settings::share`].
     pub fn share(self) -> f32 {
         match self {
-            Self::Draft | Self::Normal | Self::High => 0.25,
+            Self::Draft | Self::Normal | Self::High => 0.2,
             Self::Final => 0.0,
         }
     }

@@ -5,7 +5,7 @@ use crate::cache::Key;
 use crate::check::{self, Energy, Findings};
 use crate::light::{self, DirectLight, Directions, InTime, Probe, StyleLight};
 use crate::lightmap::{self, DebugSources, DebugView, FinishedFace};
-use crate::patch::{Emission, MapPatches};
+use crate::patch::{Emission, Groups, MapPatches};
 use crate::progress::{Deadline, Progress};
 use crate::radiosity::bounce::{self, Bounced};
 use crate::radiosity::solve::{self, Limits};
@@ -133,8 +133,8 @@ pub(crate) fn patches(
     let mut size = settings.patch_size;
     loop {
         let patches = MapPatches::new(scene, samples, size);
-        let (leaders, small) = economies(&patches, settings);
-        let sharing = Sharing { leaders: &leaders, share: settings.share, small: &small };
+        let (groups, small) = economies(&patches, settings);
+        let sharing = Sharing { groups: &groups, share: settings.share, small: &small };
         let (tracer, cells) = (scene.bounce_tracer(), settings.hemicube);
         let of_light = solve::bytes_of_a_patch(styles) * patches.set.patches.len() as u64;
         let expected = of_light + Transfers::expected_bytes(tracer, &patches.set, sharing, cells);
@@ -154,14 +154,14 @@ pub(crate) fn patches(
     }
 }
 
-/// Which patch leads each one, and which are small enough for coarse hemicubes.
-fn economies(patches: &MapPatches, settings: &Settings) -> (Vec<u32>, Vec<bool>) {
+/// Which patches may share a row, and which are small enough for coarse hemicubes.
+fn economies(patches: &MapPatches, settings: &Settings) -> (Groups, Vec<bool>) {
     let small = if settings.coarse_where_small() {
         patches.small()
     } else {
         vec![false; patches.set.patches.len()]
     };
-    (patches.leaders(), small)
+    (patches.groups(), small)
 }
 
 /// Form factors between the patches, drawn or as they were kept; `None` if they are not there by `end`.
@@ -174,8 +174,8 @@ pub(crate) fn transfers(
 ) -> Option<Transfers> {
     let count = patches.set.patches.len();
     let stage = progress.stage("form factors", count);
-    let (leaders, small) = economies(patches, settings);
-    let sharing = Sharing { leaders: &leaders, share: settings.share, small: &small };
+    let (groups, small) = economies(patches, settings);
+    let sharing = Sharing { groups: &groups, share: settings.share, small: &small };
     let (tracer, size) = (scene.bounce_tracer(), settings.hemicube);
     // Files have no room for what an overlay adds.
     let cache = settings.cache.as_ref().filter(|_| count > 0 && patches.set.overlay.is_none());

@@ -215,12 +215,11 @@ fn row_each(map: &Prepared) -> Transfers {
 #[test]
 fn shared_rows_tell_almost_the_same_light() {
     let map = support::lit_map::Prepared::project_map("atrium.bsp", false);
-    let (set, leaders) = (&map.patches.set, map.patches.leaders());
-    assert!(leaders.iter().all(|&l| leaders[l as usize] == l), "leaders lead themselves");
-    let none_small = vec![false; leaders.len()];
+    let (set, groups) = (&map.patches.set, map.patches.groups());
+    let none_small = vec![false; groups.of.len()];
     let drawn = |share: f32, small: &[bool]| {
         let (tracer, size) = (map.scene.bounce_tracer(), map.settings.hemicube);
-        let sharing = Sharing { leaders: &leaders, share, small };
+        let sharing = Sharing { groups: &groups, share, small };
         Transfers::shared(tracer, set, sharing, size, |_| {})
     };
     let shared = |share: f32| drawn(share, &none_small);
@@ -248,8 +247,8 @@ fn shared_rows_tell_almost_the_same_light() {
     let light = some.gather(&exitance);
     let (mut error, mut sum) = (0.0, 0.0);
     for (i, (a, b)) in light.iter().zip(&exact).enumerate() {
-        if some.drawn_at(i) == i {
-            assert_eq!(a, b, "patch {i} has its own row");
+        if some.first_of(i) == i && some.eye(i) == set.patches[i].eye {
+            assert_eq!(some.row(i), none.row(i), "patch {i} has its own row");
         }
         error += (a.x - b.x).powi(2);
         sum += b.x.powi(2);
@@ -266,12 +265,12 @@ fn shared_rows_tell_almost_the_same_light() {
 fn small_patches_do_with_fewer_cells() {
     let map = support::lit_map::Prepared::project_map("atrium.bsp", false);
     let (set, size) = (&map.patches.set, map.settings.hemicube);
-    let (leaders, small) = (map.patches.leaders(), map.patches.small());
+    let (groups, small) = (map.patches.groups(), map.patches.small());
     let few = small.iter().filter(|&&small| small).count();
     assert!(few > 20 && few * 2 < small.len(), "{few} of {}", small.len());
     let none_small = vec![false; small.len()];
     let drawn = |small: &[bool]| {
-        let sharing = Sharing { leaders: &leaders, share: 0.0, small };
+        let sharing = Sharing { groups: &groups, share: 0.0, small };
         Transfers::shared(map.scene.bounce_tracer(), set, sharing, size, |_| {})
     };
     let (exitance, rough, fine) = (waves(set), drawn(&small), drawn(&none_small));

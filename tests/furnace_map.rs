@@ -143,7 +143,7 @@ fn energy_errors(name: &str, patch_size: u32) -> [f64; 2] {
     let path = support::maps_dir().join(name);
     let bsp = Bsp::read(&std::fs::read(path).unwrap()).unwrap();
     // Rows that patches share err alike at any size: docs/stability.md.
-    let settings = Settings { patch_size, share: 0.0, ..Settings::default() };
+    let settings = Settings { patch_size, ..Settings::default() };
     let map = Prepared::new(&bsp, settings, false);
     let rho = colour(&map);
     // Integrated as the patches do: the mean of each patch's luxels times its area.

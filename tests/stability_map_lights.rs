@@ -34,7 +34,8 @@ fn lights_on_a_surface_keep_every_invariant() {
         let keys = [("light", "200"), ("delay", delay)];
         let places = ["32 32 0", "0 0 0", "128 128 1", "80 80 64"];
         // Nearly all of the light is on a few luxels: the errors of their patches do not average out.
-        let expect = Expect { energy: 0.04, ..CLOSED };
+        // Where they share rows it is 4.4 % at worst (docs/stability.md).
+        let expect = Expect { energy: 0.04, own_rows: true, ..CLOSED };
         hold(&format!("on a surface, delay {delay}"), &lit_by(&lights(&places, &keys)), expect);
     }
 }

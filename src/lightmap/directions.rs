@@ -79,12 +79,13 @@ fn mean_directions(sources: Sources<'_>, exitance: &[Exitance]) -> Vec<Vec3> {
         .into_par_iter()
         .with_min_len(64)
         .map(|i| {
-            if sources.transfers.drawn_at(i) != i {
+            if sources.transfers.first_of(i) != i {
                 return Vec3::ZERO;
             }
+            let from = Patch { eye: sources.transfers.eye(i), ..patches[i] };
             let (mut vector, mut sum) = (Vec3::ZERO, 0.0);
             let mut add = |j: u32, arriving: f32| {
-                let way = way_to(&patches[i], &patches[j as usize]);
+                let way = way_to(&from, &patches[j as usize]);
                 vector += way.normalize_or_zero() * arriving;
                 sum += arriving;
             };
@@ -135,8 +136,9 @@ impl<'a> Blend<'a> {
         let members = |surface: usize| first[surface]..first[surface + 1];
         let patch = |i: u32| &sources.patches.set.patches[i as usize];
         let largest = members(surface).map(|i| patch(i).area).fold(0.0, f32::max);
-        let shared = members(surface).any(|i| sources.transfers.drawn_at(i as usize) != i as usize);
-        // One of two by two may look for all.
+        let eye = |i: u32| sources.transfers.eye(i as usize);
+        let shared = members(surface).any(|i| eye(i) != patch(i).eye);
+        // One in the middle of two by two may look for all.
         let apart = if shared { 2.0 * largest.sqrt() } else { largest.sqrt() };
         let mut blend = Self { sources, means, reach: REACH * apart, cells: HashMap::new() };
         let mut surfaces: Vec<usize> = sources.scene.continuations(surface).collect();
@@ -145,7 +147,7 @@ impl<'a> Blend<'a> {
         surfaces.dedup();
         for i in surfaces.into_iter().flat_map(members).filter(|&i| means[i as usize] != Vec3::ZERO)
         {
-            blend.cells.entry(blend.cell(patch(i).eye)).or_default().push(i);
+            blend.cells.entry(blend.cell(eye(i))).or_default().push(i);
         }
         blend
     }
@@ -164,7 +166,7 @@ impl<'a> Blend<'a> {
             let cell =
                 [x.saturating_add(cell[0]), y.saturating_add(cell[1]), z.saturating_add(cell[2])];
             for &i in self.cells.get(&cell).into_iter().flatten() {
-                let away = p.distance(self.sources.patches.set.patches[i as usize].eye);
+                let away = p.distance(self.sources.transfers.eye(i as usize));
                 let weight = (1.0 - away / self.reach).max(0.0).powi(2);
                 vector += self.means[i as usize] * weight;
                 weights += weight;

@@ -212,12 +212,14 @@ impl Face<'_> {
 fn known_patches(sources: Sources<'_>, error: f64) -> Interpolator {
     let mut known = Interpolator::new(sources.light.len(), error);
     for (i, patch) in sources.patches.set.patches.iter().enumerate() {
-        if sources.transfers.drawn_at(i) != i {
+        if sources.transfers.first_of(i) != i {
             continue;
         }
-        let openness = sources.transfers.distances(i).openness;
-        let apart = sources.patches.spacing[sources.patches.surface[i] as usize];
-        let point = Known::new(patch.eye, patch.normal, openness, apart);
+        let (eye, openness) = (sources.transfers.eye(i), sources.transfers.distances(i).openness);
+        let spacing = sources.patches.spacing[sources.patches.surface[i] as usize];
+        // Middles of groups of two by two.
+        let apart = if eye == patch.eye { spacing } else { 2.0 * spacing };
+        let point = Known::new(eye, patch.normal, openness, apart);
         known.add(point, sources.light.iter().map(|l| l.irradiance[i].0.as_dvec3()));
     }
     known

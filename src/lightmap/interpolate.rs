@@ -23,6 +23,8 @@ const BEND: f32 = 3.0;
 /// How much more an offset along the normals counts than one across them: the linear function knows
 /// only the latter.
 const RAISED: f32 = 8.0;
+/// Points one of which is this many times as open as another are in unlike places.
+const UNLIKE: f32 = 4.0;
 /// Weight that the points seen must have together: one in the middle, or several around.
 const ENOUGH: f64 = 0.4;
 /// Luxels with less than this share of the map's mean light are interpolated whatever is right beside them.
@@ -164,7 +166,8 @@ impl Interpolator {
         let mut moments = DMat3::ZERO;
         let mut used: Vec<(u32, DVec3)> = Vec::with_capacity(around.len());
         let (mut rhs, mut squares) = (DVec3::ZERO, 0.0);
-        let (mut centre, mut nearness) = (DVec3::ZERO, 0.0);
+        let (mut centre, mut nearness, mut strain) = (DVec3::ZERO, 0.0, 0.0);
+        let (mut narrowest, mut widest) = (f32::INFINITY, 0.0_f32);
         for &Neighbour { point: i, offset, weight } in around {
             let along = |axis: Vec3| f64::from(offset.dot(axis) / REACH[1]);
             let basis = DVec3::new(1.0, along(tangent), along(bitangent));
@@ -174,7 +177,10 @@ impl Interpolator {
             rhs += basis * (weight * level);
             squares += weight * level * level;
             centre += offset.as_dvec3() * weight;
-            nearness += weight / f64::from(self.known[i as usize].openness);
+            let openness = self.known[i as usize].openness;
+            nearness += weight / f64::from(openness);
+            strain += weight * f64::from(offset.length() / openness);
+            (narrowest, widest) = (narrowest.min(openness), widest.max(openness));
         }
         if moments.x_axis.x < ENOUGH {
             return None;
@@ -199,9 +205,11 @@ impl Interpolator {
             return None;
         }
         let (centre, openness) = ((centre / total).as_vec3(), (total / nearness) as f32);
+        // At the mouth of a gap, one point in it and one far out agree with any fit.
+        let between = || strain > total && widest > UNLIKE * narrowest;
         if self.error.is_finite()
             && fit.x.abs() > DIM * mean.abs()
-            && overlooked(barriers, sample, (centre, around), openness)
+            && (between() || overlooked(barriers, sample, (centre, around), openness))
         {
             return None;
         }

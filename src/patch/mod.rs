@@ -3,7 +3,7 @@
 mod blocks;
 mod cuts;
 mod detail;
-mod leaders;
+mod groups;
 mod lookup;
 mod opposite;
 mod overlay;
@@ -19,6 +19,7 @@ mod text_scene;
 mod work;
 
 pub use detail::{Detail, Intervals};
+pub use groups::Groups;
 pub use lookup::{PatchGrid, PatchLookup, PolygonPatches};
 pub use overlay::{Glow, Overlay, Sheet, Tint, in_cone};
 pub use pattern::Pattern;

@@ -5,18 +5,20 @@ mod estimate;
 mod gather;
 mod gatherer;
 mod rows;
+mod share;
 mod weights;
 
 pub(super) use gather::AT_A_TIME;
 pub use gatherer::{Distances, Gatherer, Interval};
+pub use share::Sharing;
 
-use self::rows::{Chunk, Found};
+use self::rows::{Chunk, Found, Outlook};
 use self::weights::Precision;
 use super::hemicube::{DeltaFormFactors, HemicubeSize, View};
 use super::near_pairs::NearPairs;
-use crate::patch::{Overlay, PatchId, PatchSet};
+use crate::patch::{Overlay, Patch, PatchId, PatchSet};
+use crate::scene::Tracer;
 use crate::scene::effects::Cost;
-use crate::scene::{ShadowRays, Tracer};
 use glam::Vec3;
 use rayon::prelude::*;
 use std::sync::Arc;
@@ -36,24 +38,19 @@ pub struct Transfers {
     chunks: Vec<Chunk>,
     /// Where the row of each patch is: chunk times [`CHUNK`], and place in the chunk.
     row_of: Vec<u32>,
-    /// The patch at whose eye that row was drawn.
-    drawn_at: Vec<u32>,
+    /// The first of the patches that share that row.
+    first_of: Vec<u32>,
     drawn: u64,
     precision: Precision,
     /// What changes light on its way; `None` where nothing does.
     overlay: Option<Arc<Overlay>>,
 }
 
-/// Which patches of a map do without a fine hemicube of their own.
-#[derive(Clone, Copy, Debug)]
-pub struct Sharing<'a> {
-    /// The patch, on the same face, whose row each patch may take. A leader leads itself.
-    pub leaders: &'a [u32],
-    /// It does where they see each other and the distance between them is less than this share of the
-    /// harmonic mean distance of what the leader sees. With 0 all rows are drawn.
-    pub share: f32,
-    /// Whether half as many cells along an edge do for a patch.
-    pub small: &'a [bool],
+/// Where a row is drawn.
+struct Eye {
+    at: Vec3,
+    /// The patch it is on, which may be one of several.
+    patch: u32,
 }
 
 impl Transfers {
@@ -64,7 +61,8 @@ impl Transfers {
         size: HemicubeSize,
         advance: impl Fn(u64) + Sync,
     ) -> Self {
-        let all: Vec<u32> = (0..patches.patches.len() as u32).collect();
+        let eye = |(patch, i): (&Patch, u32)| Eye { at: patch.eye, patch: i };
+        let all: Vec<Eye> = patches.patches.iter().zip(0..).map(eye).collect();
         let mut transfers = Self::undrawn(all.len(), Precision::Single);
         let goes_on = |n| {
             advance(n);
@@ -74,101 +72,44 @@ impl Transfers {
         transfers
     }
 
-    /// The same, but some patches share their rows, and for some a coarser hemicube does.
-    pub fn shared(
-        tracer: &Tracer,
-        patches: &PatchSet,
-        sharing: Sharing<'_>,
-        size: HemicubeSize,
-        advance: impl Fn(u64) + Sync,
-    ) -> Self {
-        let goes_on = |n| {
-            advance(n);
-            true
-        };
-        Self::shared_while(tracer, patches, sharing, size, goes_on).expect("not stopped")
-    }
-
-    /// The same for as long as `goes_on(n)`, which is told of every n rows done, is true; `None` if it
-    /// is not.
-    pub fn shared_while(
-        tracer: &Tracer,
-        patches: &PatchSet,
-        Sharing { leaders, share, small }: Sharing<'_>,
-        size: HemicubeSize,
-        goes_on: impl Fn(u64) -> bool + Sync,
-    ) -> Option<Self> {
-        let draw = |transfers: &mut Self, members: &[u32]| {
-            let (coarse, fine): (Vec<u32>, Vec<u32>) =
-                members.iter().partition(|&&i| small[i as usize]);
-            transfers.draw(tracer, patches, size, &fine, &goes_on)?;
-            transfers.draw(tracer, patches, size.halved(), &coarse, &goes_on)
-        };
-        let all = 0..leaders.len() as u32;
-        let (first, rest): (Vec<u32>, Vec<u32>) = all.partition(|&i| leaders[i as usize] == i);
-        let mut transfers = Self::undrawn(leaders.len(), Precision::Short);
-        draw(&mut transfers, &first)?;
-        let alone: Vec<u32> = rest
-            .par_iter()
-            .copied()
-            .map_init(
-                || ShadowRays::new(tracer),
-                |shadows, i| {
-                    let leader = leaders[i as usize];
-                    let [here, there] = [i, leader].map(|k| patches.patches[k as usize].eye);
-                    let reach = share * transfers.distances(leader as usize).openness;
-                    (here.distance(there) >= reach || shadows.blocked(here, there)).then_some(i)
-                },
-            )
-            .flatten()
-            .collect();
-        for &i in &rest {
-            let leader = leaders[i as usize];
-            transfers.row_of[i as usize] = transfers.row_of[leader as usize];
-            transfers.drawn_at[i as usize] = leader;
-        }
-        goes_on((rest.len() - alone.len()) as u64);
-        draw(&mut transfers, &alone)?;
-        Some(transfers)
-    }
-
     /// For `count` patches whose rows are still to be drawn.
     fn undrawn(count: usize, precision: Precision) -> Self {
-        let [row_of, drawn_at] = [vec![0; count], vec![0; count]];
-        Self { row_of, drawn_at, precision, ..Self::default() }
+        let [row_of, first_of] = [vec![0; count], vec![0; count]];
+        Self { row_of, first_of, precision, ..Self::default() }
     }
 
-    /// Draws hemicubes at these patches while it `goes_on`.
+    /// Draws hemicubes while it `goes_on`.
     fn draw(
         &mut self,
         tracer: &Tracer,
         patches: &PatchSet,
         size: HemicubeSize,
-        members: &[u32],
+        eyes: &[Eye],
         goes_on: &(impl Fn(u64) -> bool + Sync),
     ) -> Option<()> {
         let before = self.chunks.len() * CHUNK;
-        for (k, &i) in members.iter().enumerate() {
-            self.row_of[i as usize] = (before + k) as u32;
-            self.drawn_at[i as usize] = i;
+        for (k, eye) in eyes.iter().enumerate() {
+            self.row_of[eye.patch as usize] = (before + k) as u32;
+            self.first_of[eye.patch as usize] = eye.patch;
         }
-        self.drawn += members.len() as u64;
+        self.drawn += eyes.len() as u64;
         self.overlay.clone_from(&patches.overlay);
         let (delta, precision) = (DeltaFormFactors::new(size), self.precision);
-        let drawn: Option<Vec<Chunk>> = members
+        let drawn: Option<Vec<Chunk>> = eyes
             .par_chunks(CHUNK)
             .map_init(
                 || Gatherer::new(tracer, patches, &delta, size),
-                |gatherer, members| {
+                |gatherer, eyes| {
                     let (mut rows, mut overlay) = (Found::new(precision), Vec::new());
-                    for &i in members {
-                        let patch = &patches.patches[i as usize];
-                        gatherer.look(&View::turned(patch.eye, patch.normal, i.into()));
-                        rows.push(gatherer.row(), gatherer.distances());
+                    for eye in eyes {
+                        let normal = patches.patches[eye.patch as usize].normal;
+                        gatherer.look(&View::turned(eye.at, normal, eye.patch.into()));
+                        let distances = gatherer.distances();
+                        rows.push(gatherer.row(), Outlook { eye: eye.at, distances });
                         overlay.extend(gatherer.overlay_row());
                     }
                     let rows = Chunk { overlay, ..rows.keep() };
-                    goes_on(members.len() as u64).then_some(rows)
+                    goes_on(eyes.len() as u64).then_some(rows)
                 },
             )
             .collect();
@@ -200,11 +141,11 @@ impl Transfers {
             start,
             |(work, gatherer, row), (number, chunk)| {
                 let mut rows = Found::new(precision);
-                for (k, &distances) in chunk.distances.iter().enumerate() {
+                for (k, &outlook) in chunk.outlooks.iter().enumerate() {
                     row.clear();
                     row.extend(chunk.entries(k).map(|(j, f)| (PatchId(j), f64::from(f))));
                     near.improve(number * CHUNK + k, row, work, gatherer);
-                    rows.push(row, distances);
+                    rows.push(row, outlook);
                 }
                 *chunk = Chunk { overlay: std::mem::take(&mut chunk.overlay), ..rows.keep() };
                 advance(chunk.rows() as u64);
@@ -290,12 +231,21 @@ impl Transfers {
 
     /// How far what patch `row` sees is from where its row was drawn.
     pub fn distances(&self, row: usize) -> Distances {
-        let at = self.row_of[row] as usize;
-        self.chunks[at / CHUNK].distances[at % CHUNK]
+        self.outlook(row).distances
     }
 
-    /// The patch from which the row of patch `i` was drawn: `i` itself, or one that it shares it with.
-    pub fn drawn_at(&self, i: usize) -> usize {
-        self.drawn_at[i] as usize
+    /// Where the row of patch `i` was drawn: at its eye, or in the middle of the group that shares it.
+    pub fn eye(&self, i: usize) -> Vec3 {
+        self.outlook(i).eye
+    }
+
+    fn outlook(&self, row: usize) -> Outlook {
+        let at = self.row_of[row] as usize;
+        self.chunks[at / CHUNK].outlooks[at % CHUNK]
+    }
+
+    /// The first of the patches that share the row of patch `i`.
+    pub fn first_of(&self, i: usize) -> usize {
+        self.first_of[i] as usize
     }
 }

@@ -61,9 +61,9 @@ impl Prepared {
     /// The transfers of the patches of the map, `set`, as a run makes them.
     pub fn transfers_of(&self, set: &PatchSet) -> Transfers {
         let Self { scene, patches, settings, .. } = self;
-        let (leaders, mut small) = (patches.leaders(), patches.small());
+        let (groups, mut small) = (patches.groups(), patches.small());
         small.iter_mut().for_each(|small| *small &= settings.coarse_where_small());
-        let sharing = Sharing { leaders: &leaders, share: settings.share, small: &small };
+        let sharing = Sharing { groups: &groups, share: settings.share, small: &small };
         let (tracer, size) = (scene.bounce_tracer(), settings.hemicube);
         Transfers::shared(tracer, set, sharing, size, |_| {})
     }

@@ -1,5 +1,6 @@
 //! How much memory transfers will take, from a few of their rows.
 
+use super::share::promising;
 use super::{Gatherer, OVERLAY_ENTRY, Sharing, Transfers};
 use crate::patch::PatchSet;
 use crate::radiosity::hemicube::{DeltaFormFactors, HemicubeSize, View};
@@ -10,58 +11,38 @@ const ROWS: usize = 64;
 /// The most bytes of a stored form factor and its column; rows of many patches beside each other take fewer.
 const ENTRY: f64 = 4.0;
 /// Bytes that a row takes besides.
-const ROW: f64 = 12.0;
+const ROW: f64 = 24.0;
 
 impl Transfers {
-    /// Bytes that [`shared`](Self::shared) transfers will take, from the rows of some leaders: how many
-    /// patches those see, and how many of their group may share them.
+    /// Bytes that [`shared`](Self::shared) transfers will take, from the rows of some groups: how many
+    /// patches those see, and how many share one.
     pub fn expected_bytes(
         tracer: &Tracer,
         patches: &PatchSet,
-        Sharing { leaders, share, .. }: Sharing<'_>,
+        sharing: Sharing<'_>,
         size: HemicubeSize,
     ) -> u64 {
-        let all: Vec<u32> =
-            (0..leaders.len() as u32).filter(|&i| leaders[i as usize] == i).collect();
+        let Sharing { groups, share, .. } = sharing;
+        let members = groups.members();
+        let mut shares = vec![false; members.len()];
+        promising(tracer, patches, sharing, &members).into_iter().for_each(|g| shares[g] = true);
         let delta = DeltaFormFactors::new(size);
         let mut gatherer = Gatherer::new(tracer, patches, &delta, size);
-        let followers = Followers::of(leaders);
-        let (mut drawn, mut bytes, mut led, mut alone) = (0.0, 0.0, 0.0, 0.0);
-        for &leader in all.iter().step_by(all.len().div_ceil(ROWS).max(1)) {
-            let patch = &patches.patches[leader as usize];
-            gatherer.look(&View::turned(patch.eye, patch.normal, leader.into()));
+        let (mut drawn, mut rows, mut bytes) = (0.0, 0.0, 0.0);
+        for g in (0..members.len()).step_by(members.len().div_ceil(ROWS).max(1)) {
+            let (middle, first) = (groups.eyes[g], members[g][0]);
+            let normal = patches.patches[first as usize].normal;
+            gatherer.look(&View::turned(middle, normal, first.into()));
             drawn += 1.0;
             bytes += ENTRY * gatherer.row().len() as f64;
             bytes += (OVERLAY_ENTRY * gatherer.overlay().len()) as f64;
             let reach = share * gatherer.distances().openness;
-            for &i in followers.of_leader(leader) {
-                led += 1.0;
-                let near = patches.patches[i as usize].eye.distance(patch.eye) < reach;
-                alone += f64::from(u8::from(!near));
-            }
+            let near = |&&i: &&u32| patches.patches[i as usize].eye.distance(middle) < reach;
+            let near = if shares[g] { members[g].iter().filter(near).count() } else { 0 };
+            rows += (members[g].len() - near.saturating_sub(1)) as f64;
         }
-        let rest = (leaders.len() - all.len()) as f64;
-        let rows = all.len() as f64 + rest * alone / f64::max(led, 1.0);
         let row = bytes / f64::max(drawn, 1.0) + ROW;
-        (rows * row) as u64 + 8 * leaders.len() as u64
-    }
-}
-
-/// The patches that do not lead, by their leader.
-struct Followers(Vec<(u32, u32)>, Vec<u32>);
-
-impl Followers {
-    fn of(leaders: &[u32]) -> Self {
-        let mut pairs: Vec<(u32, u32)> = leaders.iter().copied().zip(0..).collect();
-        pairs.retain(|(leader, i)| leader != i);
-        pairs.sort_unstable();
-        let members = pairs.iter().map(|p| p.1).collect();
-        Self(pairs, members)
-    }
-
-    fn of_leader(&self, leader: u32) -> &[u32] {
-        let from = self.0.partition_point(|p| p.0 < leader);
-        let to = self.0.partition_point(|p| p.0 <= leader);
-        &self.1[from..to]
+        let all = members.len() as f64 * rows / f64::max(drawn, 1.0);
+        (all * row) as u64 + 8 * groups.of.len() as u64
     }
 }

@@ -14,6 +14,13 @@ const DENSE: usize = 1024;
 /// Columns of a tile where they are kept one by one: as many as two bytes can tell apart.
 pub(super) const PAGE: usize = 1 << 16;
 
+/// From where a row was seen.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Outlook {
+    pub(super) eye: Vec3,
+    pub(super) distances: Distances,
+}
+
 /// Rows as they were found, before they are kept.
 pub(super) struct Found {
     precision: Precision,
@@ -22,7 +29,7 @@ pub(super) struct Found {
     entries: Vec<(u32, f32)>,
     /// Where the entries of each row end.
     ends: Vec<u32>,
-    distances: Vec<Distances>,
+    outlooks: Vec<Outlook>,
 }
 
 /// Rows, one after the other in each tile of their columns. With single columns that takes little more
@@ -30,7 +37,7 @@ pub(super) struct Found {
 /// beside each other mostly have numbers beside each other.
 #[derive(Default)]
 pub(super) struct Chunk {
-    pub(super) distances: Vec<Distances>,
+    pub(super) outlooks: Vec<Outlook>,
     /// Whether columns are kept as runs of blocks.
     pub(super) dense: bool,
     /// By ascending column, up to the last that is seen.
@@ -56,10 +63,10 @@ pub(super) struct Tile {
 impl Found {
     pub(super) fn new(precision: Precision) -> Self {
         let kept = precision;
-        Self { precision, kept, entries: Vec::new(), ends: Vec::new(), distances: Vec::new() }
+        Self { precision, kept, entries: Vec::new(), ends: Vec::new(), outlooks: Vec::new() }
     }
 
-    pub(super) fn push(&mut self, row: &[(PatchId, f64)], distances: Distances) {
+    pub(super) fn push(&mut self, row: &[(PatchId, f64)], outlook: Outlook) {
         let from = self.entries.len();
         self.entries.extend(row.iter().map(|&(j, f)| (j.0, f as f32)));
         let row = &mut self.entries[from..];
@@ -67,7 +74,7 @@ impl Found {
         precision.round(row.iter_mut().map(|(_, f)| f));
         self.kept = self.kept.max(precision);
         self.ends.push(self.entries.len() as u32);
-        self.distances.push(distances);
+        self.outlooks.push(outlook);
     }
 
     fn rows(&self) -> impl Iterator<Item = &[(u32, f32)]> {
@@ -96,7 +103,7 @@ impl Found {
             tile.runs.shrink_to_fit();
             chunk.tiles.push(tile);
         }
-        chunk.distances = self.distances;
+        chunk.outlooks = self.outlooks;
         chunk
     }
 }
@@ -104,7 +111,7 @@ impl Found {
 impl Chunk {
     /// Number of rows.
     pub(super) fn rows(&self) -> usize {
-        self.distances.len()
+        self.outlooks.len()
     }
 
     /// Columns of a tile.
@@ -124,7 +131,7 @@ impl Chunk {
     /// Bytes that it takes, without what an overlay adds.
     pub(super) fn bytes(&self) -> usize {
         let tiles: usize = self.tiles.iter().map(Tile::bytes).sum();
-        tiles + size_of_val(&self.distances[..]) + size_of::<Self>()
+        tiles + size_of_val(&self.outlooks[..]) + size_of::<Self>()
     }
 
     /// Columns and weights of a row.
@@ -263,10 +270,11 @@ mod tests {
 
     fn kept(rows: &[Vec<u32>], precision: Precision) -> Chunk {
         let mut found = Found::new(precision);
-        let distances = Distances { openness: 1.0, nearest: 1.0 };
+        let outlook =
+            Outlook { eye: Vec3::ZERO, distances: Distances { openness: 1.0, nearest: 1.0 } };
         for row in rows {
             let row: Vec<_> = row.iter().map(|&j| (PatchId(j), weight(j))).collect();
-            found.push(&row, distances);
+            found.push(&row, outlook);
         }
         found.keep()
     }
