@@ -258,7 +258,7 @@ pub(crate) fn bounce(
     }
     let stage = progress.stage("bounces", bounce::styles(arriving, emission).len());
     let limits = Limits { passes: scene.world.bounce.most, residual: settings.residual };
-    bounce::bounce(patches, transfers, arriving, emission, limits, |n| stage.advance(n))
+    bounce::bounce(scene, patches, transfers, arriving, emission, limits, |n| stage.advance(n))
 }
 
 /// Indirect light at luxels.

@@ -2,10 +2,11 @@
 
 use super::interpolate::{Interpolator, Known};
 use crate::light::StyleLight;
-use crate::patch::MapPatches;
+use crate::patch::{MapPatches, PatchId};
 use crate::photometry::Irradiance;
 use crate::radiosity::bounce::PatchLight;
 use crate::radiosity::hemicube::{DeltaFormFactors, HemicubeSize, View};
+use crate::radiosity::highlights::Correction;
 use crate::radiosity::transfers::{Gatherer, Transfers};
 use crate::scene::{Barriers, Sample, Scene};
 use glam::{DVec3, Vec3};
@@ -258,11 +259,6 @@ impl<'a> Drawn<'a> {
         Self { sources, delta: DeltaFormFactors::new(size), size }
     }
 
-    /// Form factors of the cells.
-    pub fn delta(&self) -> &DeltaFormFactors {
-        &self.delta
-    }
-
     /// Draws a hemicube at every luxel that still needs light and is `wanted`, while there is `time`;
     /// adds them to `known`. Returns how many.
     fn fill(
@@ -271,12 +267,11 @@ impl<'a> Drawn<'a> {
         (wanted, time): (impl Fn(&Sample) -> bool + Sync, &(impl Fn() -> bool + Sync)),
         known: Option<&mut Interpolator>,
     ) -> u64 {
-        let Sources { scene, patches, .. } = self.sources;
         let drawn: Vec<Vec<(Known, Vec<DVec3>)>> = faces
             .par_iter_mut()
             .map_init(
-                || Gatherer::new(scene.bounce_tracer(), &patches.set, &self.delta, self.size),
-                |gatherer, face| {
+                || self.looks(),
+                |looks, face| {
                     let here: Vec<usize> =
                         face.missing().filter(|&i| wanted(&face.sample(i))).collect();
                     here.into_iter()
@@ -285,9 +280,9 @@ impl<'a> Drawn<'a> {
                             let sample = face.sample(i);
                             let (at, seed) = (sample.position, seed(sample.position));
                             let view = View::turned(at, sample.normal, seed);
-                            let light = self.arriving(gatherer, &view);
+                            let light = self.arriving(looks, &view);
                             face.light[i] = Some(light.clone());
-                            let openness = gatherer.distances().openness;
+                            let openness = looks.gatherer.distances().openness;
                             let (at, normal) = (sample.position, sample.normal);
                             (Known::new(at, normal, openness, EVERY_OTHER), light)
                         })
@@ -304,15 +299,38 @@ impl<'a> Drawn<'a> {
         count
     }
 
+    /// What is looked through at luxels.
+    pub fn looks(&self) -> Looks<'_> {
+        let Sources { scene, patches, light, .. } = self.sources;
+        let correction = |style: &'a PatchLight| style.highlights.correction(scene, patches);
+        Looks {
+            gatherer: Gatherer::new(scene.bounce_tracer(), &patches.set, &self.delta, self.size),
+            corrections: light.iter().map(correction).collect(),
+        }
+    }
+
     /// What arrives at `view` in each style: of far patches their mean light, of near ones that of each
     /// luxel interval.
-    pub fn arriving(&self, gatherer: &mut Gatherer<'_>, view: &View) -> Vec<DVec3> {
+    pub fn arriving(&self, looks: &mut Looks<'_>, view: &View) -> Vec<DVec3> {
         let light = self.sources.light;
+        let Looks { gatherer, corrections } = looks;
         let mut sums = vec![DVec3::ZERO; light.len()];
+        for (sum, correction) in sums.iter_mut().zip(&mut *corrections) {
+            if let Some(correction) = correction {
+                correction.stand(view.position, view.normal);
+                *sum = correction.light();
+            }
+        }
+        let takes = |style: usize, patch: PatchId| {
+            corrections[style].as_ref().is_some_and(|c| c.takes(patch.0).is_some())
+        };
         // Cells beyond this depth are too wide to tell intervals apart.
         let reach = 0.5 * self.size.width() as f32 * LUXEL;
         gatherer.visit(view, reach, |patch, interval, f| {
-            for (sum, style) in sums.iter_mut().zip(light) {
+            for (k, (sum, style)) in sums.iter_mut().zip(light).enumerate() {
+                if takes(k, patch) {
+                    continue;
+                }
                 let mut exitance = style.exitance[patch.0 as usize].0;
                 if let Some(i) = interval
                     && let Some(surface) = style.detail.get(i.surface as usize)
@@ -324,12 +342,21 @@ impl<'a> Drawn<'a> {
             }
         });
         for &(patch, f) in gatherer.overlay() {
-            for (sum, style) in sums.iter_mut().zip(light) {
-                *sum += style.exitance[patch.0 as usize].0.as_dvec3() * f;
+            for (k, (sum, style)) in sums.iter_mut().zip(light).enumerate() {
+                if !takes(k, patch) {
+                    *sum += style.exitance[patch.0 as usize].0.as_dvec3() * f;
+                }
             }
         }
         sums
     }
+}
+
+/// What one thread looks at luxels with.
+pub(super) struct Looks<'a> {
+    gatherer: Gatherer<'a>,
+    /// Of each style.
+    corrections: Vec<Option<Correction<'a>>>,
 }
 
 /// Seed of the turn of a luxel's hemicube. It follows from the place, so that luxels of two faces in

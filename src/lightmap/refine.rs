@@ -6,7 +6,6 @@ use crate::light::StyleLight;
 use crate::photometry::Irradiance;
 use crate::progress::Deadline;
 use crate::radiosity::hemicube::View;
-use crate::radiosity::transfers::Gatherer;
 use crate::scene::Sample;
 use glam::DVec3;
 use rayon::prelude::*;
@@ -35,16 +34,13 @@ pub fn refine(
         let light: Vec<Vec<DVec3>> = batch
             .par_iter()
             .map_init(
-                || {
-                    let (tracer, set) = (sources.scene.bounce_tracer(), &sources.patches.set);
-                    Gatherer::new(tracer, set, drawn.delta(), size)
-                },
-                |gatherer, &(face, luxel)| {
+                || drawn.looks(),
+                |looks, &(face, luxel)| {
                     let sample = &samples[face][luxel];
                     let flat = sources.scene.surfaces[face].normal;
                     let normal = sample.normal.normalize_or(flat);
                     let view = View::turned(sample.position, normal, seed(sample.position));
-                    drawn.arriving(gatherer, &view)
+                    drawn.arriving(looks, &view)
                 },
             )
             .collect();

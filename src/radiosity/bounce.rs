@@ -1,12 +1,13 @@
 //! Bouncing the light of a map: every light style over one set of transfers.
 
 use super::channels::{Channels, channels, colour};
+use super::highlights::Highlights;
 use super::solve::{Limits, Solution, Sources, Surfaces, solve_styles};
 use super::transfers::{AT_A_TIME, Transfers};
 use crate::light::StyleLight;
 use crate::patch::{Detail, Emission, MapPatches, PatchSet};
 use crate::photometry::{Exitance, Irradiance, Reflectance};
-use crate::scene::BounceSettings;
+use crate::scene::{BounceSettings, Scene};
 use glam::Vec3;
 use std::borrow::Cow;
 use std::collections::BTreeSet;
@@ -25,6 +26,8 @@ pub struct PatchLight {
     pub passing: Vec<Irradiance>,
     /// How the exitance of luxel intervals differs from that of their patches.
     pub detail: Detail,
+    /// Patches whose light is corrected where hemicubes see it too roughly.
+    pub(crate) highlights: Highlights,
 }
 
 /// All styles of a map.
@@ -44,6 +47,7 @@ pub struct Bounced {
 /// (`direct`, for each surface), and then each other's light. Direct light may be below zero; so is what
 /// comes of it. `advance(n)` is told of every n styles done.
 pub fn bounce(
+    scene: &Scene,
     patches: &MapPatches,
     transfers: &Transfers,
     direct: &[Cow<'_, [StyleLight]>],
@@ -77,7 +81,8 @@ pub fn bounce(
         let exitance: Vec<&[Exitance]> = lit.iter().map(|(_, s)| &s.exitance[..]).collect();
         let received = received(transfers, &exitance, channels);
         for ((start, solution), irradiance) in lit.into_iter().zip(received) {
-            bounced.styles.push(start.light(patches, solution.exitance, irradiance, limits));
+            let bounced_to = (transfers, irradiance);
+            bounced.styles.push(start.light(scene, patches, solution.exitance, bounced_to, limits));
         }
     }
     bounced
@@ -145,18 +150,23 @@ impl<'a> Start<'a> {
     /// The style with its solution.
     fn light(
         self,
+        scene: &Scene,
         patches: &MapPatches,
         exitance: Vec<Exitance>,
-        irradiance: Vec<Irradiance>,
+        (transfers, mut irradiance): (&Transfers, Vec<Irradiance>),
         limits: Limits,
     ) -> PatchLight {
         let Self { style, luxels, of_lights, .. } = self;
+        let rho = patches.set.patches.iter().map(|p| p.reflectance.0);
+        let first: Vec<Vec3> = of_lights.iter().zip(rho).map(|(e, rho)| e.0 * rho).collect();
+        let highlights = Highlights::find(scene, patches, (&first, &exitance), &luxels);
+        highlights.correct_patches(scene, patches, transfers, &mut irradiance);
         let (mut through, mut detail) = (Vec::new(), Vec::new());
         if limits.passes != Some(0) {
             through = passing(&patches.set, &irradiance, &of_lights);
             detail = patches.detail(&luxels, &of_lights);
         }
-        PatchLight { style, exitance, irradiance, passing: through, detail }
+        PatchLight { style, exitance, irradiance, passing: through, detail, highlights }
     }
 }
 

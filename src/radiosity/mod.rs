@@ -7,6 +7,7 @@ pub mod contour;
 mod direction;
 pub mod form_factor;
 pub mod hemicube;
+pub(crate) mod highlights;
 pub mod importance;
 pub mod near_pairs;
 pub mod open_parts;

@@ -100,7 +100,7 @@ impl Prepared {
             .zip(samples)
             .map(|(direct, samples)| bounce_source(direct, samples, 1, 1))
             .collect();
-        bounce(patches, transfers, &arriving, &emission, limits, |_| {})
+        bounce(scene, patches, transfers, &arriving, &emission, limits, |_| {})
     }
 
     /// Indirect light at the luxels of each surface.

@@ -1,6 +1,6 @@
 //! How much memory transfers will take, from a few of their rows.
 
-use super::share::promising;
+use super::share::is_promising;
 use super::{Gatherer, OVERLAY_ENTRY, Sharing, Transfers};
 use crate::patch::PatchSet;
 use crate::radiosity::hemicube::{DeltaFormFactors, HemicubeSize, View};
@@ -19,13 +19,10 @@ impl Transfers {
     pub fn expected_bytes(
         tracer: &Tracer,
         patches: &PatchSet,
-        sharing: Sharing<'_>,
+        Sharing { groups, share, .. }: Sharing<'_>,
         size: HemicubeSize,
     ) -> u64 {
-        let Sharing { groups, share, .. } = sharing;
         let members = groups.members();
-        let mut shares = vec![false; members.len()];
-        promising(tracer, patches, sharing, &members).into_iter().for_each(|g| shares[g] = true);
         let delta = DeltaFormFactors::new(size);
         let mut gatherer = Gatherer::new(tracer, patches, &delta, size);
         let (mut drawn, mut rows, mut bytes) = (0.0, 0.0, 0.0);
@@ -38,7 +35,8 @@ impl Transfers {
             bytes += (OVERLAY_ENTRY * gatherer.overlay().len()) as f64;
             let reach = share * gatherer.distances().openness;
             let near = |&&i: &&u32| patches.patches[i as usize].eye.distance(middle) < reach;
-            let near = if shares[g] { members[g].iter().filter(near).count() } else { 0 };
+            let shares = is_promising(tracer, patches, (middle, &members[g]), share);
+            let near = if shares { members[g].iter().filter(near).count() } else { 0 };
             rows += (members[g].len() - near.saturating_sub(1)) as f64;
         }
         let row = bytes / f64::max(drawn, 1.0) + ROW;

@@ -49,15 +49,16 @@ impl Transfers {
     pub fn shared_while(
         tracer: &Tracer,
         patches: &PatchSet,
-        sharing: Sharing<'_>,
+        Sharing { groups, share, small }: Sharing<'_>,
         size: HemicubeSize,
         goes_on: impl Fn(u64) -> bool + Sync,
     ) -> Option<Self> {
-        let Sharing { groups, share, small } = sharing;
         let eye = |i: u32| patches.patches[i as usize].eye;
         let normal = |i: u32| patches.patches[i as usize].normal;
         let members = groups.members();
-        let tried = promising(tracer, patches, sharing, &members);
+        let is_tried =
+            |&g: &usize| is_promising(tracer, patches, (groups.eyes[g], &members[g]), share);
+        let tried: Vec<usize> = (0..members.len()).into_par_iter().filter(is_tried).collect();
         let mut transfers = Self::undrawn(groups.of.len(), Precision::Short);
         let draw = |transfers: &mut Self, eyes: Vec<Eye>, is_coarse: &dyn Fn(u32) -> bool| {
             let (coarse, fine): (Vec<_>, Vec<_>) =
@@ -80,10 +81,10 @@ impl Transfers {
                     let reach = share * transfers.distances(first).openness;
                     let near = members[g].iter().copied().filter(|&i| {
                         let (at, away) = (eye(i), eye(i).distance(middle));
-                        let open = || openness(tracer, at, normal(i), FEW_RAYS);
+                        let least = away / (NARROWER * share);
                         away < reach
                             && !shadows.blocked(at, middle)
-                            && away < NARROWER * share * open()
+                            && is_open(tracer, (at, normal(i)), least, FEW_RAYS)
                     });
                     Some(near.collect::<Vec<_>>()).filter(|near| near.len() > 1).unwrap_or_default()
                 },
@@ -107,38 +108,37 @@ impl Transfers {
     }
 }
 
-/// The groups in whose middle a row is likely to do for most: how far away what is seen is, is found by
-/// some rays.
-pub(super) fn promising(
+/// Whether a row in the middle of some patches, `members` of one group, is likely to do for all of them:
+/// how far away what is seen is, is found by some rays.
+pub(super) fn is_promising(
     tracer: &Tracer,
     patches: &PatchSet,
-    Sharing { groups, share, .. }: Sharing<'_>,
-    members: &[Vec<u32>],
-) -> Vec<usize> {
-    if share <= 0.0 {
-        return Vec::new();
-    }
-    let is_promising = |&g: &usize| {
-        let (middle, members) = (groups.eyes[g], &members[g]);
-        let patch = |i: u32| &patches.patches[i as usize];
-        let apart = members.iter().map(|&i| patch(i).eye.distance(middle)).fold(0.0, f32::max);
-        members.len() > 1
-            && apart < share * openness(tracer, middle, patch(members[0]).normal, RAYS)
-    };
-    (0..members.len()).into_par_iter().filter(is_promising).collect()
+    (middle, members): (Vec3, &[u32]),
+    share: f32,
+) -> bool {
+    let patch = |i: u32| &patches.patches[i as usize];
+    let apart = members.iter().map(|&i| patch(i).eye.distance(middle)).fold(0.0, f32::max);
+    share > 0.0
+        && members.len() > 1
+        && is_open(tracer, (middle, patch(members[0]).normal), apart / share, RAYS)
 }
 
-/// About the harmonic mean distance of what is seen, weighted by form factor: by `rays` times `rays` rays.
-fn openness(tracer: &Tracer, eye: Vec3, normal: Vec3, rays: u32) -> f32 {
+/// Whether the harmonic mean distance of what is seen, weighted by form factor, is above `least` by
+/// `rays` times `rays` rays.
+fn is_open(tracer: &Tracer, (eye, normal): (Vec3, Vec3), least: f32, rays: u32) -> bool {
     let (tangent, bitangent) = normal.any_orthonormal_pair();
-    let strata = (0..rays * rays).map(|k| Vec2::new((k % rays) as f32, (k / rays) as f32));
-    let nearness = strata.map(|stratum| {
+    let mut left = (rays * rays) as f32 / least;
+    for k in 0..rays * rays {
+        let stratum = Vec2::new((k % rays) as f32, (k / rays) as f32);
         // In the middle of an equal share of the disc that is below the hemisphere.
         let Vec2 { x, y } = (stratum + 0.5) / rays as f32;
         let (radius, angle) = (x.sqrt(), TAU * y);
         let [u, v] = [angle.cos(), angle.sin()].map(|side| radius * side);
         let way = tangent * u + bitangent * v + normal * (1.0 - x).sqrt();
-        tracer.first_hit(eye, way, f32::INFINITY).map_or(0.0, |hit| 1.0 / hit.distance)
-    });
-    (rays * rays) as f32 / nearness.sum::<f32>()
+        left -= tracer.first_hit(eye, way, f32::INFINITY).map_or(0.0, |hit| 1.0 / hit.distance);
+        if left <= 0.0 {
+            return false;
+        }
+    }
+    true
 }
