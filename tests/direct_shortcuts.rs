@@ -108,29 +108,51 @@ fn supersamples_with_dirt_are_lit_alike_together_and_alone() {
     assert!(compare_with_single_samples("atrium.bsp", (4, 256), &dirt) > 2000);
 }
 
+/// Lights a map as a run does, and with all lights at every surface, which must be the same. `most` is what
+/// the lists of lights may have together. Tells the share of pairs of a surface and a light that are left,
+/// and how many surfaces have no list.
+fn compare_with_all_lights(name: &str, extra: u32, most: usize) -> (f64, usize) {
+    let settings = SceneSettings { extra, ..SceneSettings::default() };
+    let scene = Scene::build(&map(name), Sidecar::default(), &settings).unwrap();
+    let faces = 0..scene.surfaces.len();
+    let samples: Vec<_> = faces.clone().map(|f| luxels::place(&scene, f, extra)).collect();
+    let candidates = Arc::new(Candidates::find_at_most(&scene, &samples, 1, most));
+    let mut few = Blockers::among(&scene, Arc::clone(&candidates));
+    let mut all = Blockers::new(&scene);
+    let (mut entries, mut pairs, mut without) = (0, 0, 0);
+    for face in faces {
+        let lit = |blockers| {
+            let samples = &samples[face];
+            let light = direct_from(&scene, face, samples, Directions::default(), blockers);
+            (light.styles, light.negative, light.excess)
+        };
+        assert!(lit(&mut few) == lit(&mut all), "{name}, face {face}");
+        let list = candidates.of(face);
+        entries += list.map_or(0, <[u32]>::len);
+        pairs += list.map_or(scene.lights.len(), <[u32]>::len);
+        without += usize::from(list.is_none());
+    }
+    assert!(entries <= most, "{name}: {entries} entries, and no more than {most} may be");
+    (pairs as f64 / (scene.surfaces.len() * scene.lights.len().max(1)) as f64, without)
+}
+
 #[test]
 fn lights_left_out_for_groups_of_surfaces_give_none() {
     for (name, extra, most) in
         [("effects_all.bsp", 1, 1.0), ("atrium.bsp", 1, 0.4), ("slit.bsp", 2, 1.0)]
     {
-        let settings = SceneSettings { extra, ..SceneSettings::default() };
-        let scene = Scene::build(&map(name), Sidecar::default(), &settings).unwrap();
-        let faces = 0..scene.surfaces.len();
-        let samples: Vec<_> = faces.clone().map(|f| luxels::place(&scene, f, extra)).collect();
-        let candidates = Arc::new(Candidates::find(&scene, &samples, 1));
-        let mut few = Blockers::among(&scene, Arc::clone(&candidates));
-        let mut all = Blockers::new(&scene);
-        let mut pairs = 0;
-        for face in faces {
-            let lit = |blockers| {
-                let samples = &samples[face];
-                let light = direct_from(&scene, face, samples, Directions::default(), blockers);
-                (light.styles, light.negative, light.excess)
-            };
-            assert!(lit(&mut few) == lit(&mut all), "{name}, face {face}");
-            pairs += candidates.of(face).len();
-        }
-        let share = pairs as f64 / (scene.surfaces.len() * scene.lights.len().max(1)) as f64;
+        let (share, without) = compare_with_all_lights(name, extra, usize::MAX);
         assert!(share <= most, "{name}: {share} of all pairs of a surface and a light are left");
+        assert_eq!(without, 0, "{name}");
     }
+}
+
+#[test]
+fn lists_of_lights_that_grow_too_long_are_given_up() {
+    let surfaces = map("atrium.bsp").faces.len();
+    // Some groups have room for theirs.
+    let (_, without) = compare_with_all_lights("atrium.bsp", 1, 8 * surfaces);
+    assert!(without > 0 && without < surfaces, "{without} of {surfaces} have no list");
+    let (_, without) = compare_with_all_lights("atrium.bsp", 1, 0);
+    assert!(without > surfaces / 2, "{without} of {surfaces} have no list");
 }

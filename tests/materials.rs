@@ -224,7 +224,8 @@ fn off_on_walls(lit: &LitLight, [other, one]: [Vec3; 2]) -> [f32; 2] {
     for s in (0..lit.scene.surfaces.len()).filter(|&s| lit.scene.surfaces[s].normal.x != 0.0) {
         let samples = qrad::scene::luxels::place(&lit.scene, s, 1);
         for (sample, got) in samples.iter().zip(lit.of(s, 0)) {
-            if sample.position.x.abs() != 127.0 {
+            // Below may be another room.
+            if sample.position.x.abs() != 127.0 || sample.position.z < 8.0 {
                 continue;
             }
             let [at, normal] = [sample.position, sample.normal].map(Vec3::as_dvec3);
@@ -271,6 +272,69 @@ fn patterns_are_seen_where_they_are() {
     println!("off by {off}, means by {even}");
     assert!(even > 0.05, "means do not do: {even}");
     assert!(off < 0.02, "{off}");
+}
+
+/// A cloth with tiles between light above and light below it: what it reflects and what comes through it have
+/// the same pattern.
+#[test]
+fn light_through_a_cloth_has_its_pattern() {
+    let lamp = |z, light| {
+        let origin = format!("0 0 {z}");
+        let keys = [("light", light), ("delay", "3"), ("_anglescale", "0")];
+        entity("light", &[&[("origin", origin.as_str())], &keys[..]].concat())
+    };
+    let map = MapBuilder::room([-128.0, -128.0, -136.0], [128.0, 128.0, 128.0])
+        .solid_texture("wall", 12)
+        .solid_texture("tiles", 12)
+        .pillar([-128.0, -128.0, -8.0], [128.0, 128.0, 0.0], 1)
+        .entities(entity("worldspawn", &[]) + &lamp(120, "50") + &lamp(-120, "100"));
+    let (_, settings) = tiled_room(|map| map);
+    let (rho, tau) = (Vec3::new(0.3, 0.2, 0.0), Vec3::new(0.4, 0.1, 0.6));
+    let cloth = format!("reflectance = [{}, {}, {}]\n", rho.x, rho.y, rho.z)
+        + &format!("diffuse_transmission = [{}, {}, {}]\n", tau.x, tau.y, tau.z);
+    for modifier in ["", CHECKER] {
+        let materials =
+            material("wall", "bounce = false") + &material("tiles", &(cloth.clone() + modifier));
+        let lit = lit(&map, &settings, &materials);
+        let one = rho * 50.0 + tau * 100.0;
+        let colour = if modifier.is_empty() { Vec3::ONE } else { Vec3::new(0.0, 0.5, 1.0) };
+        let [off, even] = off_on_walls(&lit, [one * colour, one]);
+        println!("off by {off}, means by {even}");
+        assert!(modifier.is_empty() || even > 0.05, "means do not do: {even}");
+        assert!(off < 0.02, "{off}");
+    }
+}
+
+/// Texels much brighter than their mean would send on more light than falls on them.
+#[test]
+fn cloth_sends_on_less_than_it_gets_and_all_alike() {
+    let pixels: Vec<u8> = (0..64 * 64).map(|k| if k % 64 < 16 { 254 } else { 0 }).collect();
+    let map = MapBuilder::room([-96.0, -64.0, 0.0], [96.0, 64.0, 96.0])
+        .solid_texture("wall", 12)
+        .texture("cloth", 64, 64, pixels)
+        .pillar([-8.0, -64.0, 0.0], [0.0, 64.0, 96.0], 1);
+    let keys = "reflectance = 0.3\ndiffuse_transmission = 0.6\nmodifier = { kind = \"texel\" }";
+    let file = MaterialFile::parse(&material("cloth", keys), "m.toml").unwrap();
+    let scene = {
+        let sidecar = Sidecar { materials: Some(&file), ..Sidecar::default() };
+        LitLight::with(&map, &Settings { bounces: Some(0), ..settings(None) }, sidecar).scene
+    };
+    let faces = 0..scene.surfaces.len();
+    let samples: Vec<_> = faces.map(|face| qrad::scene::luxels::place(&scene, face, 1)).collect();
+    let patches = qrad::patch::MapPatches::new(&scene, &samples, 1);
+    let (mut bright, mut dark) = (0, 0);
+    for passage in &patches.set.passages {
+        let surface = &scene.surfaces[patches.surface[passage.to.0 as usize] as usize];
+        let rho = patches.set.patches[passage.to.0 as usize].reflectance.0;
+        let albedo = rho + passage.transmittance;
+        assert!(albedo.max_element() < 0.991, "{albedo}");
+        let want = surface.diffuse.unwrap() / surface.reflectance.0;
+        let alike = passage.transmittance - rho * want;
+        assert!(alike.abs().max_element() < 1e-5, "{rho} {}", passage.transmittance);
+        bright += usize::from(albedo.x > 0.98);
+        dark += usize::from(albedo.x < 0.01);
+    }
+    assert!(bright > 0 && dark > 0, "{bright} bright and {dark} dark patches");
 }
 
 /// The same of tiles that shine, whose texels are fullbright.

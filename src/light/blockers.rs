@@ -35,8 +35,8 @@ impl Blockers {
 
     /// The lights of which `surface` may get light, as far as is known, in their order.
     pub(super) fn lights_of(&self, surface: usize) -> Vec<u32> {
-        match &self.candidates {
-            Some(known) => known.of(surface).to_vec(),
+        match self.candidates.as_ref().and_then(|known| known.of(surface)) {
+            Some(known) => known.to_vec(),
             None => (0..self.of_lights.len() as u32).collect(),
         }
     }

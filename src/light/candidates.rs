@@ -14,9 +14,14 @@ const TASK: usize = 256;
 const WIDE: f32 = 1.0;
 /// Groups in more leafs of the map than this are not looked up in its visibility.
 const MOST_LEAFS: usize = 32;
+/// Entries of all lists together, at most: 128 MiB.
+const MOST: usize = 1 << 25;
 
 /// The lights of a scene that each surface may get light from.
-pub struct Candidates(Vec<Box<[u32]>>);
+pub struct Candidates(Vec<List>);
+
+/// Lights of a surface; `None` for all of the scene.
+type List = Option<Box<[u32]>>;
 
 /// A surface.
 struct Item {
@@ -33,12 +38,19 @@ impl Candidates {
     /// Where a luxel is a cell of more than one sample, `cell` x `cell`, visibility is that of the first
     /// in each, as in [`super::direct_adaptive`].
     pub fn find(scene: &Scene, samples: &[Vec<Sample>], cell: u32) -> Self {
+        Self::find_at_most(scene, samples, cell, MOST)
+    }
+
+    /// The same with lists of at most `most` entries together. Surfaces near each other whose lists are longer
+    /// than their share of that have none.
+    pub fn find_at_most(scene: &Scene, samples: &[Vec<Sample>], cell: u32, most: usize) -> Self {
         let item =
             |(surface, samples): (usize, &Vec<Sample>)| Item::of(scene, surface, samples, cell);
         let mut items: Vec<Item> = samples.par_iter().enumerate().filter_map(item).collect();
+        let each = most / items.len().max(1);
         let mut tasks = Vec::new();
         divide(&mut items, &mut tasks);
-        let found: Vec<Vec<(u32, Box<[u32]>)>> = tasks
+        let found: Vec<Vec<(u32, List)>> = tasks
             .into_par_iter()
             .map(|items| {
                 let lights = scene.lights.len();
@@ -47,21 +59,26 @@ impl Candidates {
                     rays: LightRays::new(scene, None),
                     walls: vec![None; lights],
                     found: Vec::new(),
+                    room: each * items.len(),
                 };
-                search.group(items, (0..lights as u32).collect(), 0);
-                search.found
+                let all = (0..lights as u32).collect();
+                match search.group(items, all, 0) {
+                    Some(()) => search.found,
+                    None => items.iter().map(|item| (item.surface, None)).collect(),
+                }
             })
             .collect();
-        let mut lists = vec![Box::default(); samples.len()];
+        // Surfaces that are no items get no light.
+        let mut lists = vec![Some(Box::default()); samples.len()];
         for (surface, list) in found.into_iter().flatten() {
             lists[surface as usize] = list;
         }
         Self(lists)
     }
 
-    /// The lights of a surface, in their order.
-    pub fn of(&self, surface: usize) -> &[u32] {
-        &self.0[surface]
+    /// The lights of a surface, in their order; `None` for all lights of the scene.
+    pub fn of(&self, surface: usize) -> Option<&[u32]> {
+        self.0[surface].as_deref()
     }
 }
 
@@ -128,17 +145,20 @@ struct Search<'a> {
     rays: LightRays<'a>,
     /// What last hid each light from a group.
     walls: Vec<Option<u32>>,
-    found: Vec<(u32, Box<[u32]>)>,
+    found: Vec<(u32, List)>,
+    /// Entries that further lists may have.
+    room: usize,
 }
 
 impl Search<'_> {
-    /// Finds which of `lights` the surfaces of a group, which is part of others, may get light from.
-    fn group(&mut self, items: &mut [Item], lights: Vec<u32>, others: u32) {
+    /// Finds which of `lights` the surfaces of a group, which is part of others, may get light from. `None`
+    /// once there is no room for so many.
+    fn group(&mut self, items: &mut [Item], lights: Vec<u32>, others: u32) -> Option<()> {
         if items.is_empty() {
-            return;
+            return Some(());
         }
         let (low, high) = around(items);
-        let Some(bounds) = Bounds::around([low, high].into_iter()) else { return };
+        let bounds = Bounds::around([low, high].into_iter())?;
         let sphere = self.sphere(items);
         let leafs = leafs(items);
         let is_worth_a_look = items.len() == 1 || others.is_multiple_of(2);
@@ -154,12 +174,13 @@ impl Search<'_> {
             }
         }
         if let [item] = items {
-            self.found.push((item.surface, left.into()));
-        } else {
-            let (one, other) = halve(items);
-            self.group(one, left.clone(), others + 1);
-            self.group(other, left, others + 1);
+            self.room = self.room.checked_sub(left.len())?;
+            self.found.push((item.surface, Some(left.into())));
+            return Some(());
         }
+        let (one, other) = halve(items);
+        self.group(one, left.clone(), others + 1)?;
+        self.group(other, left, others + 1)
     }
 
     /// A sphere around those of all surfaces of a group.

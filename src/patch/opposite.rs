@@ -1,7 +1,7 @@
 //! The other side of thin brushes: where light that meets one face leaves another.
 
 use super::subdivide::MapPatches;
-use super::{Passage, PatchGrid, PatchId, PolygonPatches};
+use super::{Passage, PatchGrid, PatchId, Pattern, PolygonPatches};
 use crate::scene::{Scene, Surface};
 use glam::Vec3;
 
@@ -13,8 +13,9 @@ const SLACK: f32 = 0.1;
 impl MapPatches {
     /// Light that passes diffusely through brushes whose faces say so (`diffuse` of their surfaces): from
     /// each patch to the one opposite on the nearest face of the same model that looks the other way. Faces
-    /// without such a partner let nothing through.
-    pub(super) fn passages(&self, scene: &Scene) -> Vec<Passage> {
+    /// without such a partner let nothing through. Where the face that light leaves has `patterns`, as much
+    /// comes through as those let on average.
+    pub(super) fn passages(&self, scene: &Scene, patterns: &[Option<Pattern>]) -> Vec<Passage> {
         let sheets: Vec<usize> =
             (0..scene.surfaces.len()).filter(|&s| scene.surfaces[s].diffuse.is_some()).collect();
         let mut passages = Vec::new();
@@ -32,7 +33,11 @@ impl MapPatches {
                     })
                     .min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
                 if let Some((_, from)) = opposite {
-                    let transmittance = surface.diffuse.expect("it is a sheet");
+                    let pattern = patterns.get(i as usize).and_then(Option::as_ref);
+                    let transmittance = match pattern {
+                        Some(p) => p.mean.as_vec3() * (Vec3::ONE - surface.reflected_share()),
+                        None => surface.diffuse.expect("it is a sheet"),
+                    };
                     passages.push(Passage { from, to: PatchId(i), transmittance });
                 }
             }

@@ -48,8 +48,8 @@ pub enum Tint {
 }
 
 impl Overlay {
-    /// Polygons and what each does; patterns of the patches, in their order, or none at all. `None` if
-    /// nothing changes any light.
+    /// Polygons and what each does; patterns of the patches, in their order; those beyond have none. `None`
+    /// if nothing changes any light.
     pub fn new(
         polygons: Vec<Polygon>,
         sheets: Vec<Sheet>,

@@ -1,8 +1,7 @@
-//! What varies over a patch: a shader laid out over a polygon, or the reflectance of a map's surface or
-//! what it gives off by itself.
+//! What varies over a patch: a shader laid out over a polygon, or the albedo of a map's surface or what it
+//! gives off by itself.
 
 use super::Shader;
-use crate::photometry::Reflectance;
 use crate::scene::Shading;
 use glam::{DVec3, DVec4, Vec3};
 use std::sync::Arc;
@@ -20,7 +19,7 @@ pub struct Pattern {
 enum Shows {
     /// A shader, and from the world to its axes: `row.xyz . p + row.w`.
     Shader(Box<(Shader, [DVec4; 2])>),
-    /// The reflectance of a surface; where its factor is 1, it is this.
+    /// The albedo of a surface; where its factor is 1, it is this.
     Surface(Arc<Shading>, Vec3),
     /// The share and colour of what a surface gives off.
     Glow(Arc<Shading>),
@@ -48,10 +47,10 @@ impl Pattern {
         pattern
     }
 
-    /// The reflectance of a surface, which is `base` where the factor of `shading` is 1, over a patch with a
-    /// mean reflectance of `mean`.
-    pub fn of_surface(shading: Arc<Shading>, base: Reflectance, mean: Reflectance) -> Self {
-        Self { shows: Shows::Surface(shading, base.0), mean: mean.0.as_dvec3() }
+    /// The albedo of a surface, which is `base` where the factor of `shading` is 1, over a patch with a mean
+    /// albedo of `mean`.
+    pub fn of_surface(shading: Arc<Shading>, base: Vec3, mean: Vec3) -> Self {
+        Self { shows: Shows::Surface(shading, base), mean: mean.as_dvec3() }
     }
 
     /// What a surface gives off by itself, over a patch where the mean of that is `mean`.
@@ -59,7 +58,7 @@ impl Pattern {
         Self { shows: Shows::Glow(shading), mean: mean.as_dvec3() }
     }
 
-    /// Factor of each channel at a point, 0 to 1; for surfaces of maps, their reflectance or glow.
+    /// Factor of each channel at a point, 0 to 1; for surfaces of maps, their albedo or glow.
     pub fn factor(&self, p: DVec3) -> DVec3 {
         match &self.shows {
             Shows::Shader(laid_out) => {
@@ -67,7 +66,7 @@ impl Pattern {
                 let [s, t] = axes.map(|row| row.dot(p.extend(1.0)));
                 shader.factor(s, t).into()
             }
-            Shows::Surface(shading, base) => shading.reflectance(*base, p.as_vec3()).as_dvec3(),
+            Shows::Surface(shading, base) => shading.albedo(*base, p.as_vec3()).as_dvec3(),
             Shows::Glow(shading) => shading.glow(p.as_vec3()).as_dvec3(),
         }
     }

@@ -63,12 +63,15 @@ impl MapPatches {
             .map(|(surface, samples)| FaceBlocks::cut(scene, surface, samples, size))
             .collect();
         let mut patches = Self::default();
+        let mut patterns = Vec::new();
         let mut grids = Vec::with_capacity(faces.len());
         for (index, face) in faces.into_iter().enumerate() {
             patches.first.push(patches.surface.len() as u32);
             patches.intervals.next_surface();
             patches.spacing.push(0.0);
-            grids.push(face.map(|face| patches.add_face(scene, samples, index, face)));
+            grids.push(
+                face.map(|face| patches.add_face(scene, samples, (index, face), &mut patterns)),
+            );
         }
         patches.first.push(patches.surface.len() as u32);
         patches.intervals.next_surface();
@@ -92,26 +95,10 @@ impl MapPatches {
         let (polygons, panes) = scene.panes();
         let sheet = |pane| Sheet { tint: Tint::Pane(pane), sides: [None; 2] };
         let sheets = panes.into_iter().map(sheet).collect();
-        patches.set.passages = patches.passages(scene);
-        let patterns = patches.patterns(scene);
+        patches.set.passages = patches.passages(scene, &patterns);
         let glows = (patches.glows(scene, &patterns), patches.set.patches.len());
         patches.set.overlay = Overlay::with_glows(polygons, sheets, patterns, glows).map(Arc::new);
         patches
-    }
-
-    /// How patches reflect whose surfaces do so unevenly; empty if none does. What comes through from the
-    /// other side has no pattern: patches of which that holds are taken as even.
-    fn patterns(&self, scene: &Scene) -> Vec<Option<Pattern>> {
-        if self.patterned == 0 {
-            return Vec::new();
-        }
-        let of = |(patch, &index): (&Patch, &u32)| {
-            let surface = &scene.surfaces[index as usize];
-            let seen = surface.diffuse.is_none() && surface.reflects;
-            let shading = scene.uneven(index as usize).filter(|_| seen)?;
-            Some(Pattern::of_surface(shading.clone(), surface.reflectance, patch.reflectance))
-        };
-        self.set.patches.iter().zip(&self.surface).map(of).collect()
     }
 
     /// What patches give off by themselves that is spread otherwise than what they reflect.
@@ -145,13 +132,14 @@ impl MapPatches {
         glows
     }
 
-    /// Appends the patches of a face and completes its grid with their numbers.
+    /// Appends the patches of a face, and the `patterns` of those that send light on unevenly, and completes its
+    /// grid with their numbers.
     fn add_face(
         &mut self,
         scene: &Scene,
         samples: &[Vec<Sample>],
-        index: usize,
-        face: FaceBlocks,
+        (index, face): (usize, FaceBlocks),
+        patterns: &mut Vec<Option<Pattern>>,
     ) -> PatchGrid {
         let surface = &scene.surfaces[index];
         let luxels = surface.luxels.as_ref().expect("only faces with luxels are cut");
@@ -164,7 +152,7 @@ impl MapPatches {
         let mut of_patches = BTreeMap::new();
         if let Some(spots) = &spots {
             of_patches = spots.of_patches(luxels, &grid);
-            let of = |points| scene.mean_reflectance(index, points);
+            let of = |points| Some(scene.mean_albedo(index, points)? * surface.reflected_share());
             let varied: Option<Vec<Vec3>> = spots.of_intervals(luxels).map(of).collect();
             self.varied.extend(varied.map(|varied| (index, varied)));
         }
@@ -175,8 +163,13 @@ impl MapPatches {
             let points = of_patches.remove(&here).unwrap_or_default();
             // Slivers may have none.
             let points = || points.iter().copied().chain(points.is_empty().then_some(eye));
-            let varied = scene.mean_reflectance(index, points());
+            let varied = scene.mean_albedo(index, points());
             self.patterned += usize::from(varied.is_some());
+            let shading = scene.uneven(index).filter(|_| surface.reflects);
+            if let (Some(mean), Some(shading)) = (varied, shading) {
+                patterns.resize(self.surface.len(), None);
+                patterns.push(Some(Pattern::of_surface(shading.clone(), surface.albedo(), mean)));
+            }
             if let Some(glow) = scene.mean_glow(index, points()) {
                 self.glow.resize(self.surface.len(), Vec3::ZERO);
                 self.glow.push(glow);
@@ -186,7 +179,8 @@ impl MapPatches {
                 normal: surface.normal,
                 area: (block.area * unit) as f32,
                 reflectance: if surface.reflects {
-                    varied.map_or(surface.reflectance, Reflectance)
+                    let of = |albedo| Reflectance(albedo * surface.reflected_share());
+                    varied.map_or(surface.reflectance, of)
                 } else {
                     Reflectance::default()
                 },

@@ -48,7 +48,7 @@ impl Shading {
         })
     }
 
-    /// The reflectance is the same all over, and what shines is so over each patch.
+    /// The albedo is the same all over, and what shines is so over each patch.
     pub(super) fn make_even(&mut self) {
         self.modifier = None;
         self.even = true;
@@ -59,7 +59,7 @@ impl Shading {
         self.grey = true;
     }
 
-    /// Whether the reflectance varies.
+    /// Whether the albedo varies.
     pub fn is_uneven(&self) -> bool {
         self.modifier.is_some()
     }
@@ -97,12 +97,13 @@ impl Shading {
         if self.grey { Vec3::splat(brightness(colour)) } else { colour }
     }
 
-    /// Reflectance at a world point of a surface whose reflectance is `base` where the factor is 1.
-    pub fn reflectance(&self, base: Vec3, point: Vec3) -> Vec3 {
+    /// Albedo at a world point of a surface whose albedo is `base` where the factor is 1. What it reflects and
+    /// what comes through it vary alike.
+    pub fn albedo(&self, base: Vec3, point: Vec3) -> Vec3 {
         (base * self.seen(self.factor(point))).min(Vec3::splat(LIMIT))
     }
 
-    /// Factor on the reflectance at a world point.
+    /// Factor on the albedo at a world point.
     fn factor(&self, point: Vec3) -> Vec3 {
         let [s, t] = self.texture_at(point);
         match self.modifier {
@@ -142,26 +143,21 @@ impl Scene {
         self.shadings.get(surface)?.as_ref().filter(|_| COMPILED)
     }
 
-    /// Whether a surface reflects or emits unevenly.
+    /// Whether a surface sends light on or emits unevenly.
     pub fn varies(&self, surface: usize) -> bool {
         self.shading(surface).is_some()
     }
 
-    /// How the reflectance of a surface varies; `None` where it is the same all over.
+    /// How the albedo of a surface varies; `None` where it is the same all over.
     pub fn uneven(&self, surface: usize) -> Option<&Arc<Shading>> {
         self.shading(surface).filter(|s| s.is_uneven())
     }
 
-    /// Reflectance of a surface at each of some world points, the mean; `None` where it is the same all
-    /// over.
-    pub fn mean_reflectance(
-        &self,
-        surface: usize,
-        points: impl Iterator<Item = Vec3>,
-    ) -> Option<Vec3> {
+    /// Albedo of a surface at each of some world points, the mean; `None` where it is the same all over.
+    pub fn mean_albedo(&self, surface: usize, points: impl Iterator<Item = Vec3>) -> Option<Vec3> {
         let shading = self.uneven(surface)?;
-        let base = self.surfaces[surface].reflectance.0;
-        Some(mean(points, |p| shading.reflectance(base, p)))
+        let base = self.surfaces[surface].albedo();
+        Some(mean(points, |p| shading.albedo(base, p)))
     }
 
     /// Share and colour of what a surface emits, the mean over some world points; `None` where it is the

@@ -125,6 +125,21 @@ pub struct Surface {
 }
 
 impl Surface {
+    /// Share of light that it sends on, per channel: what it reflects, and what leaves it of the light on its
+    /// other side.
+    pub fn albedo(&self) -> Vec3 {
+        self.reflectance.0 + self.diffuse.unwrap_or(Vec3::ZERO)
+    }
+
+    /// Share of its albedo, per channel, that is reflectance; 1 where no light comes through.
+    pub fn reflected_share(&self) -> Vec3 {
+        let share = |c: usize| {
+            let own = self.reflectance.0[c];
+            if own > 0.0 { own / self.albedo()[c] } else { 0.0 }
+        };
+        self.diffuse.map_or(Vec3::ONE, |_| Vec3::from_array(std::array::from_fn(share)))
+    }
+
     /// The surface for the ray tracer, without repeated corners; `None` if too few are left.
     pub(crate) fn polygon(&self) -> Option<Polygon> {
         let mut vertices = self.vertices.clone();

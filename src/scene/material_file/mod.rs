@@ -40,7 +40,7 @@ pub struct Material {
     pub alpha_test: Option<bool>,
     /// Sends light back at all.
     pub bounce: Option<bool>,
-    /// How the reflectance varies over a face.
+    /// How what a face sends on varies over it.
     pub modifier: Option<Modifier>,
 }
 
@@ -76,7 +76,7 @@ pub enum Emitting {
     Texture,
 }
 
-/// How the reflectance of a face varies over it.
+/// How what a face sends on varies over it: a factor on its reflectance and diffuse transmission.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Modifier {
     /// As the texels do.
