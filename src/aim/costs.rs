@@ -3,9 +3,9 @@
 use super::Rung;
 use crate::patch::MapPatches;
 use crate::radiosity::hemicube::{DeltaFormFactors, HemicubeSize, View};
-use crate::radiosity::transfers::{Gatherer, OVERLAY_ENTRY};
+use crate::radiosity::transfers::{Gatherer, OVERLAY_ENTRY, Transfers};
 use crate::scene::{Sample, Scene};
-use crate::settings::coarse_luxels_do;
+use crate::settings::{Quality, coarse_luxels_do};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::time::Instant;
@@ -23,8 +23,8 @@ const INTERPOLATED: f64 = 0.06;
 const OF_LUXEL: f64 = 0.95;
 /// The same where it has half as many cells along an edge.
 const OF_LUXEL_HALVED: f64 = 0.55;
-/// Share of the patches that draw their own hemicube where sharing is allowed.
-const OWN: f64 = 0.72;
+/// The same for small patches and others.
+const OF_SMALL: f64 = 0.55;
 /// Seconds of a pass of bounces for each form factor, on one thread.
 const PASS: f64 = 1.5e-9;
 /// Passes until light has settled, about.
@@ -38,8 +38,8 @@ const LUXEL_BYTES: f64 = 220.0;
 #[derive(Clone, Debug)]
 pub struct Costs {
     luxels: f64,
-    /// By size: patches.
-    patches: BTreeMap<u32, f64>,
+    /// By size.
+    patches: BTreeMap<u32, Cut>,
     /// By cells: seconds of a hemicube with all threads at work, form factors in a row, and how many of
     /// them glass or patterns change.
     hemicubes: BTreeMap<u32, (f64, [f64; 2])>,
@@ -47,6 +47,16 @@ pub struct Costs {
     rows_of: f64,
     /// Bytes in use before.
     base: f64,
+}
+
+/// A map cut into patches.
+#[derive(Clone, Copy, Debug, Default)]
+struct Cut {
+    patches: f64,
+    /// Share of them that have rows of their own where sharing is allowed.
+    own: f64,
+    /// Share of them that are small.
+    small: f64,
 }
 
 /// What a run is expected to take.
@@ -110,25 +120,31 @@ impl Costs {
             luxels: luxels.iter().flatten().filter(|s| !s.occluded).count() as f64,
             hemicubes: cells.iter().map(time).collect(),
             rows_of: f64::from(*finest_size),
-            patches: patches.iter().map(|(s, p)| (*s, p.set.patches.len() as f64)).collect(),
+            patches: patches.iter().map(|(size, cut)| (*size, Cut::of(scene, cut))).collect(),
             base: crate::memory::peak().unwrap_or(8 << 20) as f64,
         }
     }
 
     /// Patches, hemicubes at patches, and form factors.
     pub fn counts(&self, rung: &Rung) -> [f64; 3] {
-        let size = rung.patch_size;
-        // Between sizes that were cut: as areas go.
-        let (near, count) = self
-            .patches
-            .iter()
-            .min_by_key(|(s, _)| s.abs_diff(size))
-            .map_or((1, 0.0), |(s, n)| (*s, *n));
-        let count = count * (f64::from(near) / f64::from(size)).powi(2);
-        let own = if rung.share > 0.0 { OWN } else { 1.0 };
+        let Cut { patches, own, .. } = self.cut(rung);
         // Fewer patches are seen where they are larger.
-        let row = self.of(rung.cells).1[0] * (self.rows_of / f64::from(size)).powf(1.2);
-        [count, count * own, count * own * row]
+        let larger = self.rows_of / f64::from(rung.patch_size);
+        let row = self.of(rung.cells).1[0] * larger.powf(1.2);
+        [patches, patches * own, patches * own * row]
+    }
+
+    /// The patches of a rung. Between sizes that were cut: as areas go.
+    fn cut(&self, rung: &Rung) -> Cut {
+        let size = rung.patch_size;
+        let near = self.patches.iter().min_by_key(|(s, _)| s.abs_diff(size));
+        let (near, cut) = near.map_or((1, Cut::default()), |(s, cut)| (*s, *cut));
+        let patches = cut.patches * (f64::from(near) / f64::from(size)).powi(2);
+        if rung.share > 0.0 {
+            Cut { patches, ..cut }
+        } else {
+            Cut { patches, own: 1.0, small: 0.0 }
+        }
     }
 
     /// Seconds of a hemicube, length of its row, and how much of that glass or patterns change.
@@ -156,7 +172,8 @@ impl Costs {
         let of_luxel = if halved { OF_LUXEL_HALVED } else { OF_LUXEL };
         let interpolated =
             if rung.gather_error == 0.0 { 0.0 } else { INTERPOLATED * self.of(16).0 };
-        hemicubes * hemicube
+        let Cut { small, .. } = self.cut(rung);
+        hemicubes * hemicube * (1.0 - small * (1.0 - OF_SMALL))
             + bounces
             + self.luxels * (rung.luxels * hemicube * of_luxel + interpolated)
     }
@@ -168,5 +185,18 @@ impl Costs {
         let factor = FACTOR_BYTES + OVERLAY_ENTRY as f64 * changed / length.max(1.0);
         let memory = self.base + factors * factor + patches * 300.0 + self.luxels * LUXEL_BYTES;
         Predicted { seconds: self.seconds(rung), memory, error: rung.error }
+    }
+}
+
+impl Cut {
+    fn of(scene: &Scene, patches: &MapPatches) -> Self {
+        let (tracer, set) = (scene.bounce_tracer(), &patches.set);
+        let share = Quality::default().share();
+        let small = patches.small().into_iter().filter(|&small| small).count();
+        Self {
+            patches: set.patches.len() as f64,
+            own: Transfers::expected_rows(tracer, set, &patches.groups(), share),
+            small: small as f64 / set.patches.len().max(1) as f64,
+        }
     }
 }
