@@ -39,8 +39,8 @@ const MOST_POINTS: usize = 600;
 const PATHS: [u32; 2] = [64, 4096];
 /// Share of a run's time that its check may take.
 pub const SHARE: f64 = 0.03;
-/// Seconds that a check may take after the shortest run.
-const LEAST: f64 = 0.005;
+/// Seconds that a check may take after the shortest run: nobody waits for them, and fewer tell nothing.
+const LEAST: f64 = 0.02;
 
 /// Where light is checked: points with the light that the run found there, and how it is found again.
 pub trait Points: Sync {
@@ -124,13 +124,15 @@ fn light_again(
         );
         let more: Vec<Pair> = more.collect();
         pairs.extend(more);
-        // As many as fit into half of the time left, since the time of a point varies.
+        // As many as fit into half of the time left, since the time of a point varies; at the end one for each
+        // thread.
         let each = end.now().saturating_sub(begun).as_secs_f64() / pairs.len() as f64;
-        let fit = 0.5 * end.left().as_secs_f64() / each;
-        if end.passed() || fit < rayon::current_num_threads() as f64 {
+        let fit = end.left().as_secs_f64() / each;
+        let threads = rayon::current_num_threads();
+        if end.passed() || fit < threads as f64 {
             return (pairs, false);
         }
-        size = (fit as usize).min(MOST_POINTS);
+        size = ((0.5 * fit) as usize).clamp(threads, MOST_POINTS.max(threads));
     }
 }
 

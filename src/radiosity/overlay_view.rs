@@ -115,7 +115,8 @@ impl<'a> OverlayView<'a> {
                 let x = cells.x + k as u32;
                 let point = eye_point(view, size, (cells.side, x, cells.y), nearness);
                 let Some(patch) = patch_at(shown, view, item, point) else { continue };
-                let points = || points_of_cell(shown, view, (cells.side, x, cells.y), item);
+                let (points, count) = points_of_cell(shown, view, (cells.side, x, cells.y), item);
+                let points = || points[..count].iter().copied();
                 let f = || {
                     let at = (cells.y * size.width() + x) as usize;
                     f64::from(shown.delta.of(cells.side)[at])
@@ -182,13 +183,13 @@ fn eye_point(
 /// Points along each axis of a cell at which patterns are looked at: one would alias.
 const ACROSS: u32 = 2;
 
-/// World points where rays spread evenly over a cell meet the plane of a polygon.
+/// World points where rays spread evenly over a cell meet the plane of a polygon, and how many do.
 fn points_of_cell(
     shown: Shown<'_>,
     view: &View,
     (side, x, y): (SideId, u32, u32),
     item: u32,
-) -> impl Iterator<Item = DVec3> {
+) -> ([DVec3; (ACROSS * ACROSS) as usize], usize) {
     let size = shown.buffer.size();
     let [a, b, c] = view.axes(side).map(Vec3::as_dvec3);
     let polygon = &shown.tracer.polygons()[item as usize];
@@ -197,12 +198,17 @@ fn points_of_cell(
     let middle = size.cell_centre(side, x, y).as_dvec2();
     let width = 2.0 / f64::from(size.width());
     let off = move |k: u32| ((f64::from(k) + 0.5) / f64::from(ACROSS) - 0.5) * width;
-    (0..ACROSS * ACROSS).filter_map(move |k| {
+    let (mut points, mut count) = (<[DVec3; (ACROSS * ACROSS) as usize]>::default(), 0);
+    for k in 0..ACROSS * ACROSS {
         let at = middle + DVec2::new(off(k % ACROSS), off(k / ACROSS));
         let way = c + a * at.x + b * at.y;
         let far = above / normal.dot(way);
-        (far > 0.0 && far.is_finite()).then(|| eye + way * far)
-    })
+        if far > 0.0 && far.is_finite() {
+            points[count] = eye + way * far;
+            count += 1;
+        }
+    }
+    (points, count)
 }
 
 /// The patch whose front is seen at a point of a polygon.

@@ -99,6 +99,7 @@ impl Shading {
 
     /// Albedo at a world point of a surface whose albedo is `base` where the factor is 1. What it reflects and
     /// what comes through it vary alike.
+    #[inline]
     pub fn albedo(&self, base: Vec3, point: Vec3) -> Vec3 {
         (base * self.seen(self.factor(point))).min(Vec3::splat(LIMIT))
     }
@@ -113,7 +114,7 @@ impl Shading {
                 texel.map_or(Vec3::ONE, |c| c / 255.0 / self.mean.max(Vec3::splat(1e-3)))
             }
             Some(Modifier::Checker(size, colour)) => {
-                let [s, t] = [s, t].map(|x| (x / size).floor() as i64);
+                let [s, t] = [s, t].map(|x| floor(x / size));
                 let odd = s.wrapping_add(t) & 1 == 1;
                 if odd { colour } else { Vec3::ONE }
             }
@@ -166,6 +167,12 @@ impl Scene {
         let shading = self.shading(surface).filter(|s| s.emission.is_some())?;
         Some(mean(points, |p| shading.glow(p)))
     }
+}
+
+/// The whole number at or below. Processors that any build runs on have no instruction for it.
+fn floor(x: f32) -> i64 {
+    let n = x as i64;
+    n.saturating_sub(i64::from((n as f32) > x))
 }
 
 /// Mean over points; 0 without any.

@@ -40,6 +40,7 @@ impl Texels {
     }
 
     /// Palette index at texture coordinates.
+    #[inline]
     pub fn index_at(&self, s: f32, t: f32) -> u8 {
         let column = wrap(s * self.scale[0], self.width);
         let row = wrap(t * self.scale[1], self.height);
@@ -47,6 +48,7 @@ impl Texels {
     }
 
     /// Colour at texture coordinates, 0 to 255; `None` where the texture is see-through.
+    #[inline]
     pub fn colour_at(&self, s: f32, t: f32) -> Option<Vec3> {
         let index = self.index_at(s, t);
         (index != TRANSPARENT).then(|| colour(index))
@@ -73,6 +75,13 @@ fn colour(index: u8) -> Vec3 {
 /// The texel that a coordinate falls on; negative coordinates wrap one texel late on whole numbers,
 /// as in the reference.
 fn wrap(x: f32, size: u32) -> usize {
+    // The same in numbers that are divided faster.
+    if x.abs() < 2_147_483_648.0 {
+        let whole = x.abs() as u32;
+        let ends_within = x < 0.0 && (whole as f32) < -x;
+        let texel = (whole + u32::from(ends_within)) % size;
+        return if x >= 0.0 || texel == 0 { texel } else { size - texel } as usize;
+    }
     let n = u64::from(size);
     let texel = if x >= 0.0 { x as u64 % n } else { (n - (-x).ceil() as u64 % n) % n };
     texel as usize
@@ -113,6 +122,12 @@ mod tests {
             (-129.0, 127),
         ] {
             assert_eq!(wrap(x, 128), want, "{x} of 128");
+        }
+        // Numbers of either width.
+        for x in [3e9_f32, 2_147_483_648.0, 2_147_483_520.0, 1e7, 255.75, 0.25, 0.0] {
+            assert_eq!(wrap(x, 7), (x as u64 % 7) as usize, "{x}");
+            let up = x.ceil() as u64 % 7;
+            assert_eq!(wrap(-x, 7), ((7 - up) % 7) as usize, "-{x}");
         }
         assert!(wrap(f32::NAN, 3) < 3 && wrap(f32::INFINITY, 3) < 3 && wrap(-1e30, 3) < 3);
     }
