@@ -18,8 +18,7 @@ fn room(between: impl Fn(MapBuilder) -> MapBuilder) -> Prepared {
         .solid_texture("grey", 12)
         .entities(
             "{\n\"classname\" \"worldspawn\"\n}\n\
-             {\n\"classname\" \"light\"\n\"origin\" \"40 24 509\"\n\"light\" \"60\"\n\"delay\" \"2\"\n}\n"
-                .to_owned(),
+             {\n\"classname\" \"light\"\n\"origin\" \"40 24 509\"\n\"light\" \"60\"\n\"delay\" \"2\"\n}\n",
         );
     let settings = Settings { bounces: Some(1), ..Settings::default() };
     Prepared::new(&between(room).build(Format::Bsp2), settings, false)

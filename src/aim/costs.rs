@@ -20,7 +20,10 @@ const NEIGHBOURS: usize = 4;
 /// Interpolating a luxel takes this share of a hemicube of 16 cells.
 const INTERPOLATED: f64 = 0.06;
 /// A luxel's hemicube takes this times that of a patch, as it keeps no row.
-const OF_LUXEL: f64 = 0.95;
+const OF_LUXEL: f64 = 0.9;
+/// The same with as many cells and more, which tell luxel intervals apart from farther away.
+const FINE: u32 = 32;
+const OF_LUXEL_FINE: f64 = 1.2;
 /// The same where it has half as many cells along an edge.
 const OF_LUXEL_HALVED: f64 = 0.55;
 /// The same for small patches and others.
@@ -169,7 +172,11 @@ impl Costs {
         let hemicube = self.of(rung.cells).0;
         let bounces = factors * PASSES * PASS / rayon::current_num_threads() as f64;
         let halved = rung.share > 0.0 && coarse_luxels_do(rung.gather_error);
-        let of_luxel = if halved { OF_LUXEL_HALVED } else { OF_LUXEL };
+        let of_luxel = match () {
+            () if halved => OF_LUXEL_HALVED,
+            () if rung.cells >= FINE => OF_LUXEL_FINE,
+            () => OF_LUXEL,
+        };
         let interpolated =
             if rung.gather_error == 0.0 { 0.0 } else { INTERPOLATED * self.of(16).0 };
         let Cut { small, .. } = self.cut(rung);

@@ -93,7 +93,7 @@ fn check_map(name: &str, damage: bool) -> (Findings, Energy) {
     let arriving: Vec<_> = source.collect();
     let emission = patches.emission(&scene.emitters);
     let limits = Limits { passes: None, residual: 1e-5 };
-    let bounced = bounce(&patches, &transfers, &arriving, &emission, limits, |_| {});
+    let bounced = bounce(&scene, &patches, &transfers, &arriving, &emission, limits, |_| {});
     let sources =
         Sources { scene: &scene, patches: &patches, transfers: &transfers, light: &bounced.styles };
     let how = GatherSettings { gather: Gather::Interpolate, error: 0.05, hemicube: size };
