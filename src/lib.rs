@@ -62,9 +62,9 @@ pub(crate) const TEXT_RESIDUAL: f64 = 1e-9;
 /// Passes that tell which patches are bright enough to matter.
 const ROUGH_PASSES: u32 = 16;
 
-/// Lights a text scene: hemicubes of the size it names, closed forms where those err, then passes of gathering until nothing is
-/// left to send or its number of passes is used up. The solution holds the final exitance of each
-/// patch in file order, and then of the backs of patches with two sides.
+/// Lights a text scene: hemicubes of the size it names, closed forms where those err, then passes of
+/// gathering until nothing is left to send or its number of passes is used up. The solution holds the
+/// final exitance of each patch in file order, and then of the backs of patches with two sides.
 ///
 /// # Errors
 /// When the scene's hemicube size is out of range.

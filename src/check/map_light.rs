@@ -20,8 +20,8 @@ use std::borrow::Cow;
 const LIFT: f32 = 0.05;
 /// Width of a luxel in world units, unless the map asks for another.
 const LUXEL: f32 = 16.0;
-/// Fewest cells along the edge of a hemicube. With 48 the standard error of as many luxels is the same: it comes
-/// from how far errors are apart.
+/// Fewest cells along the edge of a hemicube. With 48 the standard error of as many luxels is the same: it
+/// comes from how far errors are apart.
 const CELLS: u32 = 32;
 /// Most patches on a path of hemicubes.
 const PATH: u32 = 8;

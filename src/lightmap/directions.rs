@@ -25,13 +25,17 @@ pub fn add_bounced_directions(
     if !direct.iter().any(|d| d.directions.are_wanted()) {
         return;
     }
+    let Sources { patches, transfers, .. } = sources;
+    let groups = patches.groups();
+    let eye = |i| transfers.eye(i, &patches.set, &groups);
+    let eyes: Vec<Vec3> = (0..transfers.rows()).map(eye).collect();
     for light in sources.light {
-        let means = mean_directions(sources, &light.exitance);
+        let means = mean_directions(sources, &eyes, &light.exitance);
         direct.par_iter_mut().enumerate().for_each(|(surface, direct)| {
             let Some(map) = indirect[surface].iter().find(|map| map.style == light.style) else {
                 return;
             };
-            let blend = Blend::new(sources, surface, &means);
+            let blend = Blend::new(sources, surface, (&means, &eyes));
             let width = sources.scene.surfaces[surface].luxels.as_ref().map_or(1, |g| g.width);
             for (luxel, arriving) in map.irradiance.iter().enumerate() {
                 let sample = &luxels[surface][luxel];
@@ -71,7 +75,7 @@ fn spread(
 
 /// Mean direction from each patch to the exitance that it sees, weighted by what arrives: shorter than
 /// 1 by as much as the light is spread out, and zero where none arrives or another patch looks for it.
-fn mean_directions(sources: Sources<'_>, exitance: &[Exitance]) -> Vec<Vec3> {
+fn mean_directions(sources: Sources<'_>, eyes: &[Vec3], exitance: &[Exitance]) -> Vec<Vec3> {
     let patches = &sources.patches.set.patches;
     let overlay_of = sources.patches.set.overlay.as_deref();
     let strengths: Vec<f32> = exitance.iter().map(|m| strength(m.0)).collect();
@@ -82,7 +86,7 @@ fn mean_directions(sources: Sources<'_>, exitance: &[Exitance]) -> Vec<Vec3> {
             if sources.transfers.first_of(i) != i {
                 return Vec3::ZERO;
             }
-            let from = Patch { eye: sources.transfers.eye(i), ..patches[i] };
+            let from = Patch { eye: eyes[i], ..patches[i] };
             let (mut vector, mut sum) = (Vec3::ZERO, 0.0);
             let mut add = |j: u32, arriving: f32| {
                 let way = way_to(&from, &patches[j as usize]);
@@ -124,30 +128,30 @@ fn way_to(from: &Patch, to: &Patch) -> Vec3 {
 
 /// Blends the directions of the patches of a surface and of those that continue it.
 struct Blend<'a> {
-    sources: Sources<'a>,
     means: &'a [Vec3],
+    /// Where these are.
+    eyes: &'a [Vec3],
     reach: f32,
     cells: HashMap<[i32; 3], Vec<u32>>,
 }
 
 impl<'a> Blend<'a> {
-    fn new(sources: Sources<'a>, surface: usize, means: &'a [Vec3]) -> Self {
+    fn new(sources: Sources<'a>, surface: usize, (means, eyes): (&'a [Vec3], &'a [Vec3])) -> Self {
         let first = &sources.patches.first;
         let members = |surface: usize| first[surface]..first[surface + 1];
         let patch = |i: u32| &sources.patches.set.patches[i as usize];
         let largest = members(surface).map(|i| patch(i).area).fold(0.0, f32::max);
-        let eye = |i: u32| sources.transfers.eye(i as usize);
-        let shared = members(surface).any(|i| eye(i) != patch(i).eye);
+        let shared = members(surface).any(|i| sources.transfers.is_shared(i as usize));
         // One in the middle of two by two may look for all.
         let apart = if shared { 2.0 * largest.sqrt() } else { largest.sqrt() };
-        let mut blend = Self { sources, means, reach: REACH * apart, cells: HashMap::new() };
+        let mut blend = Self { means, eyes, reach: REACH * apart, cells: HashMap::new() };
         let mut surfaces: Vec<usize> = sources.scene.continuations(surface).collect();
         surfaces.push(surface);
         surfaces.sort_unstable();
         surfaces.dedup();
         for i in surfaces.into_iter().flat_map(members).filter(|&i| means[i as usize] != Vec3::ZERO)
         {
-            blend.cells.entry(blend.cell(eye(i))).or_default().push(i);
+            blend.cells.entry(blend.cell(eyes[i as usize])).or_default().push(i);
         }
         blend
     }
@@ -166,7 +170,7 @@ impl<'a> Blend<'a> {
             let cell =
                 [x.saturating_add(cell[0]), y.saturating_add(cell[1]), z.saturating_add(cell[2])];
             for &i in self.cells.get(&cell).into_iter().flatten() {
-                let away = p.distance(self.sources.transfers.eye(i as usize));
+                let away = p.distance(self.eyes[i as usize]);
                 let weight = (1.0 - away / self.reach).max(0.0).powi(2);
                 vector += self.means[i as usize] * weight;
                 weights += weight;

@@ -10,7 +10,8 @@ use glam::Vec3;
 use rayon::prelude::*;
 
 /// Adds up the light of each surface and makes its lightmaps. `samples` and `direct` are for the
-/// samples of each surface, `indirect` is for its luxels. Each argument has one entry a surface, but `probes` has one a brush model: see [`probes`](super::probes()).
+/// samples of each surface, `indirect` is for its luxels. Each argument has one entry a surface, but
+/// `probes` has one a brush model: see [`probes`](super::probes()).
 pub fn finish_faces(
     scene: &Scene,
     samples: &[Vec<Sample>],

@@ -212,14 +212,16 @@ impl Face<'_> {
 /// The patches as known points. Those that the edge of a face cuts off stand as far apart as whole ones.
 fn known_patches(sources: Sources<'_>, error: f64) -> Interpolator {
     let mut known = Interpolator::new(sources.light.len(), error);
+    let groups = sources.patches.groups();
     for (i, patch) in sources.patches.set.patches.iter().enumerate() {
         if sources.transfers.first_of(i) != i {
             continue;
         }
-        let (eye, openness) = (sources.transfers.eye(i), sources.transfers.distances(i).openness);
+        let eye = sources.transfers.eye(i, &sources.patches.set, &groups);
+        let openness = sources.transfers.distances(i).openness;
         let spacing = sources.patches.spacing[sources.patches.surface[i] as usize];
         // Middles of groups of two by two.
-        let apart = if eye == patch.eye { spacing } else { 2.0 * spacing };
+        let apart = if sources.transfers.is_shared(i) { 2.0 * spacing } else { spacing };
         let point = Known::new(eye, patch.normal, openness, apart);
         known.add(point, sources.light.iter().map(|l| l.irradiance[i].0.as_dvec3()));
     }

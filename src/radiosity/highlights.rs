@@ -107,6 +107,7 @@ impl Highlights {
         if self.all.is_empty() {
             return;
         }
+        let groups = patches.groups();
         let corrections: Vec<Vec3> = (0..transfers.rows())
             .into_par_iter()
             .map_init(
@@ -115,7 +116,8 @@ impl Highlights {
                     if transfers.first_of(i) != i {
                         return Vec3::ZERO;
                     }
-                    correction.stand(transfers.eye(i), patches.set.patches[i].normal);
+                    let eye = transfers.eye(i, &patches.set, &groups);
+                    correction.stand(eye, patches.set.patches[i].normal);
                     let mut sum = correction.light();
                     for (patch, f) in transfers.entries(i) {
                         if let Some(exitance) = correction.takes(patch) {

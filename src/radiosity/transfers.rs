@@ -12,11 +12,11 @@ pub(super) use gather::AT_A_TIME;
 pub use gatherer::{Distances, Gatherer, Interval};
 pub use share::Sharing;
 
-use self::rows::{Chunk, Found, Outlook};
+use self::rows::{Chunk, Found};
 use self::weights::Precision;
 use super::hemicube::{DeltaFormFactors, HemicubeSize, View};
 use super::near_pairs::NearPairs;
-use crate::patch::{Overlay, Patch, PatchId, PatchSet};
+use crate::patch::{Groups, Overlay, Patch, PatchId, PatchSet};
 use crate::scene::Tracer;
 use crate::scene::effects::Cost;
 use glam::Vec3;
@@ -40,6 +40,8 @@ pub struct Transfers {
     row_of: Vec<u32>,
     /// The first of the patches that share that row.
     first_of: Vec<u32>,
+    /// Rows before this are shared: `row_of` says where they are.
+    shared: usize,
     drawn: u64,
     precision: Precision,
     /// What changes light on its way; `None` where nothing does.
@@ -104,8 +106,7 @@ impl Transfers {
                     for eye in eyes {
                         let normal = patches.patches[eye.patch as usize].normal;
                         gatherer.look(&View::turned(eye.at, normal, eye.patch.into()));
-                        let distances = gatherer.distances();
-                        rows.push(gatherer.row(), Outlook { eye: eye.at, distances });
+                        rows.push(gatherer.row(), gatherer.distances());
                         overlay.extend(gatherer.overlay_row());
                     }
                     let rows = Chunk { overlay, ..rows.keep() };
@@ -141,11 +142,11 @@ impl Transfers {
             start,
             |(work, gatherer, row), (number, chunk)| {
                 let mut rows = Found::new(precision);
-                for (k, &outlook) in chunk.outlooks.iter().enumerate() {
+                for (k, &distances) in chunk.distances.iter().enumerate() {
                     row.clear();
                     row.extend(chunk.entries(k).map(|(j, f)| (PatchId(j), f64::from(f))));
                     near.improve(number * CHUNK + k, row, work, gatherer);
-                    rows.push(row, outlook);
+                    rows.push(row, distances);
                 }
                 *chunk = Chunk { overlay: std::mem::take(&mut chunk.overlay), ..rows.keep() };
                 advance(chunk.rows() as u64);
@@ -231,17 +232,19 @@ impl Transfers {
 
     /// How far what patch `row` sees is from where its row was drawn.
     pub fn distances(&self, row: usize) -> Distances {
-        self.outlook(row).distances
+        let at = self.row_of[row] as usize;
+        self.chunks[at / CHUNK].distances[at % CHUNK]
+    }
+
+    /// Whether patch `i` shares its row with others of its group.
+    pub fn is_shared(&self, i: usize) -> bool {
+        (self.row_of[i] as usize) < self.shared
     }
 
     /// Where the row of patch `i` was drawn: at its eye, or in the middle of the group that shares it.
-    pub fn eye(&self, i: usize) -> Vec3 {
-        self.outlook(i).eye
-    }
-
-    fn outlook(&self, row: usize) -> Outlook {
-        let at = self.row_of[row] as usize;
-        self.chunks[at / CHUNK].outlooks[at % CHUNK]
+    pub fn eye(&self, i: usize, patches: &PatchSet, groups: &Groups) -> Vec3 {
+        let middle = groups.eyes.get(groups.of[i] as usize).filter(|_| self.is_shared(i));
+        middle.copied().unwrap_or(patches.patches[i].eye)
     }
 
     /// The first of the patches that share the row of patch `i`.

@@ -18,8 +18,8 @@ use std::ops::Range;
 pub const MAX_PIXELS: u64 = 1 << 26;
 
 /// Draws `patches` as `camera` sees them. A patch has the colour of its exitance plus the second
-/// triple of its file, times `exposure` (1 shows values as they are), clamped to 0..1 and times 255: the final exitance in a lit scene, full
-/// brightness in a raw one. Backs of patches with one side and the background are black; backs hide what
+/// triple of its file, times `exposure` (1 shows values as they are), clamped to 0..1 and times 255: the
+/// final exitance in a lit scene, full brightness in a raw one. Backs of patches with one side and the background are black; backs hide what
 /// lies behind them. Of patches in one plane the first is seen.
 ///
 /// # Errors

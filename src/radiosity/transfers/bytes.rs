@@ -1,10 +1,9 @@
 //! Transfers as plain bytes, to keep them from one run to the next.
 
-use super::rows::{Chunk, Outlook, Tile};
+use super::rows::{Chunk, Tile};
 use super::weights::{Short, Weights};
 use super::{CHUNK, Distances, Transfers};
 use byteorder::{ByteOrder, LittleEndian, ReadBytesExt, WriteBytesExt};
-use glam::Vec3;
 use std::io;
 
 /// How weights are kept.
@@ -17,13 +16,12 @@ impl Transfers {
         let mut bytes = Vec::new();
         put(&mut bytes, &self.row_of, LittleEndian::write_u32_into);
         put(&mut bytes, &self.first_of, LittleEndian::write_u32_into);
+        put_length(&mut bytes, self.shared);
         put_length(&mut bytes, self.chunks.len());
         for chunk in &self.chunks {
-            let outlooks = chunk.outlooks.iter().flat_map(|o| {
-                let Distances { openness, nearest } = o.distances;
-                [o.eye.x, o.eye.y, o.eye.z, openness, nearest]
-            });
-            put(&mut bytes, &outlooks.collect::<Vec<f32>>(), LittleEndian::write_f32_into);
+            let distances: Vec<f32> =
+                chunk.distances.iter().flat_map(|d| [d.openness, d.nearest]).collect();
+            put(&mut bytes, &distances, LittleEndian::write_f32_into);
             bytes.push(chunk.dense.into());
             put_length(&mut bytes, chunk.tiles.len());
             for tile in &chunk.tiles {
@@ -89,14 +87,13 @@ fn put<T>(bytes: &mut Vec<u8>, values: &[T], write: fn(&[T], &mut [u8])) {
 fn read(bytes: &mut &[u8]) -> io::Result<Transfers> {
     let row_of = get(bytes, LittleEndian::read_u32_into)?;
     let first_of = get(bytes, LittleEndian::read_u32_into)?;
+    let shared = bytes.read_u64::<LittleEndian>()? as usize;
     let mut chunks = Vec::new();
     for _ in 0..bytes.read_u64::<LittleEndian>()? {
-        let outlooks: Vec<f32> = get(bytes, LittleEndian::read_f32_into)?;
-        let outlook = |&[x, y, z, openness, nearest]: &[f32; 5]| {
-            let distances = Distances { openness, nearest };
-            Outlook { eye: Vec3::new(x, y, z), distances }
-        };
-        let outlooks = outlooks.as_chunks().0.iter().map(outlook).collect();
+        let distances: Vec<f32> = get(bytes, LittleEndian::read_f32_into)?;
+        let (distances, _) = distances.as_chunks::<2>();
+        let distances =
+            distances.iter().map(|&[openness, nearest]| Distances { openness, nearest }).collect();
         let dense = match bytes.read_u8()? {
             0 => false,
             1 => true,
@@ -104,9 +101,9 @@ fn read(bytes: &mut &[u8]) -> io::Result<Transfers> {
         };
         let tiles = (0..bytes.read_u64::<LittleEndian>()?).map(|_| read_tile(bytes));
         let tiles = tiles.collect::<io::Result<_>>()?;
-        chunks.push(Chunk { outlooks, dense, tiles, overlay: Vec::new() });
+        chunks.push(Chunk { distances, dense, tiles, overlay: Vec::new() });
     }
-    Ok(Transfers { chunks, row_of, first_of, ..Transfers::default() })
+    Ok(Transfers { chunks, row_of, first_of, shared, ..Transfers::default() })
 }
 
 fn read_tile(bytes: &mut &[u8]) -> io::Result<Tile> {
@@ -149,19 +146,22 @@ mod tests {
     /// Rows of four patches; the first and the last see all of the others, if rows are to be dense.
     fn transfers(precision: Precision, dense: bool) -> Transfers {
         let mut rows = Found::new(precision);
-        let outlook = |openness, nearest| {
-            let distances = Distances { openness, nearest };
-            Outlook { eye: Vec3::new(1.5, -2.0, openness), distances }
-        };
+        let distances = |openness, nearest| Distances { openness, nearest };
         let all: Vec<_> = (0..PATCHES as u32).map(|j| (PatchId(j), 1.0 / 32.0)).collect();
         let few = [(PatchId(1), 0.125), (PatchId(2), 0.0625)];
-        rows.push(if dense { &all } else { &few }, outlook(8.0, 1.0));
-        rows.push(&[], outlook(f32::INFINITY, f32::INFINITY));
-        rows.push(if dense { &all[9..] } else { &few[1..] }, outlook(2.0, 1.5));
+        rows.push(if dense { &all } else { &few }, distances(8.0, 1.0));
+        rows.push(&[], distances(f32::INFINITY, f32::INFINITY));
+        rows.push(if dense { &all[9..] } else { &few[1..] }, distances(2.0, 1.5));
         let rows = rows.keep();
         assert_eq!(rows.dense, dense);
         let row_of: Vec<u32> = (0..PATCHES as u32).map(|i| i.min(2)).collect();
-        Transfers { chunks: vec![rows], first_of: row_of.clone(), row_of, ..Transfers::default() }
+        Transfers {
+            chunks: vec![rows],
+            first_of: row_of.clone(),
+            row_of,
+            shared: 1,
+            ..Transfers::default()
+        }
     }
 
     fn all_kinds() -> impl Iterator<Item = Transfers> {
@@ -179,7 +179,10 @@ mod tests {
             assert_eq!((back.to_bytes(), back.drawn()), (bytes, 0));
             for i in 0..PATCHES {
                 assert_eq!((back.row(i), back.distances(i)), (rows.row(i), rows.distances(i)));
-                assert_eq!((back.first_of(i), back.eye(i)), (rows.first_of(i), rows.eye(i)));
+                assert_eq!(
+                    (back.first_of(i), back.is_shared(i)),
+                    (rows.first_of(i), rows.is_shared(i))
+                );
             }
         }
     }

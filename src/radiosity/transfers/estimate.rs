@@ -13,7 +13,7 @@ const GROUPS: usize = 1024;
 /// The most bytes of a stored form factor and its column; rows of many patches beside each other take fewer.
 const ENTRY: f64 = 4.0;
 /// Bytes that a row takes besides.
-const ROW: f64 = 24.0;
+const ROW: f64 = 12.0;
 
 impl Transfers {
     /// About how many of the patches have a row drawn for them, as a share of all: 1 without sharing.

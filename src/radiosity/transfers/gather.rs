@@ -22,7 +22,8 @@ impl Transfers {
     }
 
     /// The same for many lists of exitance of `C` channels, 1 to 3. Each comes out as if it were alone;
-    /// rows are read once for several. Glows of the overlay come after the patches; without them, they are dark.
+    /// rows are read once for several. Glows of the overlay come after the patches; without them, they are
+    /// dark.
     pub fn gather_all<const C: usize>(&self, exitance: &[&[[f64; C]]]) -> Vec<Vec<[f64; C]>> {
         let some = |lists: &[&[[f64; C]]]| match *lists {
             [] => Vec::new(),

@@ -14,13 +14,6 @@ const DENSE: usize = 1024;
 /// Columns of a tile where they are kept one by one: as many as two bytes can tell apart.
 pub(super) const PAGE: usize = 1 << 16;
 
-/// From where a row was seen.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Outlook {
-    pub(super) eye: Vec3,
-    pub(super) distances: Distances,
-}
-
 /// Rows as they were found, before they are kept.
 pub(super) struct Found {
     precision: Precision,
@@ -29,7 +22,7 @@ pub(super) struct Found {
     entries: Vec<(u32, f32)>,
     /// Where the entries of each row end.
     ends: Vec<u32>,
-    outlooks: Vec<Outlook>,
+    distances: Vec<Distances>,
 }
 
 /// Rows, one after the other in each tile of their columns. With single columns that takes little more
@@ -37,7 +30,7 @@ pub(super) struct Found {
 /// beside each other mostly have numbers beside each other.
 #[derive(Default)]
 pub(super) struct Chunk {
-    pub(super) outlooks: Vec<Outlook>,
+    pub(super) distances: Vec<Distances>,
     /// Whether columns are kept as runs of blocks.
     pub(super) dense: bool,
     /// By ascending column, up to the last that is seen.
@@ -63,10 +56,10 @@ pub(super) struct Tile {
 impl Found {
     pub(super) fn new(precision: Precision) -> Self {
         let kept = precision;
-        Self { precision, kept, entries: Vec::new(), ends: Vec::new(), outlooks: Vec::new() }
+        Self { precision, kept, entries: Vec::new(), ends: Vec::new(), distances: Vec::new() }
     }
 
-    pub(super) fn push(&mut self, row: &[(PatchId, f64)], outlook: Outlook) {
+    pub(super) fn push(&mut self, row: &[(PatchId, f64)], distances: Distances) {
         let from = self.entries.len();
         self.entries.extend(row.iter().map(|&(j, f)| (j.0, f as f32)));
         let row = &mut self.entries[from..];
@@ -74,7 +67,7 @@ impl Found {
         precision.round(row.iter_mut().map(|(_, f)| f));
         self.kept = self.kept.max(precision);
         self.ends.push(self.entries.len() as u32);
-        self.outlooks.push(outlook);
+        self.distances.push(distances);
     }
 
     fn rows(&self) -> impl Iterator<Item = &[(u32, f32)]> {
@@ -103,7 +96,7 @@ impl Found {
             tile.runs.shrink_to_fit();
             chunk.tiles.push(tile);
         }
-        chunk.outlooks = self.outlooks;
+        chunk.distances = self.distances;
         chunk
     }
 }
@@ -111,7 +104,7 @@ impl Found {
 impl Chunk {
     /// Number of rows.
     pub(super) fn rows(&self) -> usize {
-        self.outlooks.len()
+        self.distances.len()
     }
 
     /// Columns of a tile.
@@ -131,7 +124,7 @@ impl Chunk {
     /// Bytes that it takes, without what an overlay adds.
     pub(super) fn bytes(&self) -> usize {
         let tiles: usize = self.tiles.iter().map(Tile::bytes).sum();
-        tiles + size_of_val(&self.outlooks[..]) + size_of::<Self>()
+        tiles + size_of_val(&self.distances[..]) + size_of::<Self>()
     }
 
     /// Columns and weights of a row.
@@ -270,11 +263,10 @@ mod tests {
 
     fn kept(rows: &[Vec<u32>], precision: Precision) -> Chunk {
         let mut found = Found::new(precision);
-        let outlook =
-            Outlook { eye: Vec3::ZERO, distances: Distances { openness: 1.0, nearest: 1.0 } };
+        let distances = Distances { openness: 1.0, nearest: 1.0 };
         for row in rows {
             let row: Vec<_> = row.iter().map(|&j| (PatchId(j), weight(j))).collect();
-            found.push(&row, outlook);
+            found.push(&row, distances);
         }
         found.keep()
     }

@@ -1,7 +1,7 @@
 //! Patches that share their rows: one is drawn in the middle of some neighbours.
 
 use super::weights::Precision;
-use super::{Eye, Transfers};
+use super::{CHUNK, Eye, Transfers};
 use crate::patch::{Groups, PatchSet};
 use crate::radiosity::hemicube::HemicubeSize;
 use crate::scene::{ShadowRays, Tracer};
@@ -72,6 +72,7 @@ impl Transfers {
         let all_small =
             |i: u32| members[groups.of[i as usize] as usize].iter().all(|&k| small[k as usize]);
         draw(&mut transfers, middles.collect(), &all_small)?;
+        transfers.shared = transfers.chunks.len() * CHUNK;
         let shared: Vec<Vec<u32>> = tried
             .par_iter()
             .map_init(
