@@ -1,7 +1,7 @@
 //! Bouncing the light of a map: every light style over one set of transfers.
 
 use super::channels::{Channels, channels, colour};
-use super::highlights::Highlights;
+use super::highlights::{self, Highlights};
 use super::solve::{Limits, Solution, Sources, Surfaces, solve_styles};
 use super::transfers::{AT_A_TIME, Transfers};
 use crate::light::StyleLight;
@@ -59,6 +59,7 @@ pub fn bounce(
     let reflectance: Vec<Reflectance> = set.patches.iter().map(|p| p.reflectance).collect();
     let surfaces = Surfaces { transfers, reflectance: &reflectance, passages: &set.passages };
     let mut bounced = Bounced::default();
+    let mut left = highlights::MOST;
     let styles: Vec<u16> = styles(direct, emission).into_iter().collect();
     for styles in styles.chunks(AT_A_TIME) {
         let starts: Vec<Start<'_>> =
@@ -80,9 +81,11 @@ pub fn bounce(
         let lit: Vec<_> = starts.into_iter().zip(solutions).filter(lit).collect();
         let exitance: Vec<&[Exitance]> = lit.iter().map(|(_, s)| &s.exitance[..]).collect();
         let received = received(transfers, &exitance, channels);
-        for ((start, solution), irradiance) in lit.into_iter().zip(received) {
-            let bounced_to = (transfers, irradiance);
-            bounced.styles.push(start.light(scene, patches, solution.exitance, bounced_to, limits));
+        for ((start, solution), mut irradiance) in lit.into_iter().zip(received) {
+            let highlights = start.highlights(scene, patches, &solution.exitance, &mut left);
+            highlights.correct_patches(scene, patches, transfers, &mut irradiance);
+            let light = start.light(patches, solution.exitance, irradiance, limits);
+            bounced.styles.push(PatchLight { highlights, ..light });
         }
     }
     bounced
@@ -147,25 +150,34 @@ impl<'a> Start<'a> {
         }
     }
 
+    /// The patches that are much brighter than others by this light alone; so many may be `left` to find.
+    fn highlights(
+        &self,
+        scene: &Scene,
+        patches: &MapPatches,
+        exitance: &[Exitance],
+        left: &mut usize,
+    ) -> Highlights {
+        let rho = patches.set.patches.iter().map(|p| p.reflectance.0);
+        let first: Vec<Vec3> = self.of_lights.iter().zip(rho).map(|(e, rho)| e.0 * rho).collect();
+        Highlights::find(scene, patches, (&first, exitance), &self.luxels, left)
+    }
+
     /// The style with its solution.
     fn light(
         self,
-        scene: &Scene,
         patches: &MapPatches,
         exitance: Vec<Exitance>,
-        (transfers, mut irradiance): (&Transfers, Vec<Irradiance>),
+        irradiance: Vec<Irradiance>,
         limits: Limits,
     ) -> PatchLight {
         let Self { style, luxels, of_lights, .. } = self;
-        let rho = patches.set.patches.iter().map(|p| p.reflectance.0);
-        let first: Vec<Vec3> = of_lights.iter().zip(rho).map(|(e, rho)| e.0 * rho).collect();
-        let highlights = Highlights::find(scene, patches, (&first, &exitance), &luxels);
-        highlights.correct_patches(scene, patches, transfers, &mut irradiance);
         let (mut through, mut detail) = (Vec::new(), Vec::new());
         if limits.passes != Some(0) {
             through = passing(&patches.set, &irradiance, &of_lights);
             detail = patches.detail(&luxels, &of_lights);
         }
+        let highlights = Highlights::default();
         PatchLight { style, exitance, irradiance, passing: through, detail, highlights }
     }
 }

@@ -14,8 +14,8 @@ use std::f32::consts::PI;
 const BRIGHT: f32 = 20.0;
 /// ...this share of all reflected light is.
 const DIM: f64 = 0.25;
-/// Highlights of a style, at most: those that reflect most for their size.
-const MOST: usize = 256;
+/// Highlights of all styles, at most; a style gets at most half of what those before it left.
+pub(super) const MOST: usize = 512;
 /// Hemicubes do from distances whose square is less than so many times the area.
 const NEAR: f32 = 4.0;
 /// Rays to a highlight that gives more than [`MUCH`] of what is usual; one to others.
@@ -47,12 +47,13 @@ const NONE: u16 = u16::MAX;
 
 impl Highlights {
     /// Those among `patches` whose first light, per patch, is `first`; their final exitance is
-    /// `exitance`. `luxels` is the direct light of each surface.
+    /// `exitance`. `luxels` is the direct light of each surface; so many highlights are `left` to be found.
     pub(super) fn find(
         scene: &Scene,
         patches: &MapPatches,
         (first, exitance): (&[Vec3], &[Exitance]),
         luxels: &[&[Irradiance]],
+        left: &mut usize,
     ) -> Self {
         let all = &patches.set.patches;
         let brightness = |i: usize| first[i].element_sum() / 3.0;
@@ -68,9 +69,11 @@ impl Highlights {
         let Some(usual) = usual.map(|&i| brightness(i)) else { return Self::default() };
         let from = order.partition_point(|&i| brightness(i) <= BRIGHT * usual);
         let mut chosen = order.split_off(from);
+        chosen.retain(|&i| exitance[i] != Exitance::ZERO);
         let strength = |i: usize| light(i) * f64::from(brightness(i));
         chosen.sort_by(|&a, &b| strength(b).total_cmp(&strength(a)).then(a.cmp(&b)));
-        chosen.truncate(MOST);
+        // Those that reflect most for their size.
+        chosen.truncate(left.div_ceil(2));
         chosen.sort_unstable();
         let mut found = Self { all: Vec::new(), numbers: Vec::new(), usual };
         for i in chosen {
@@ -83,6 +86,7 @@ impl Highlights {
             let (area, normal, exitance) = (all[i].area, all[i].normal, exitance[i].0);
             found.all.push(Highlight { patch: i as u32, area, normal, exitance, points });
         }
+        *left -= found.all.len();
         found
     }
 

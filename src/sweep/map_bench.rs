@@ -129,6 +129,7 @@ impl Bench for MapBench<'_> {
         for bounces in [1, 2, 4] {
             add(knobs("", &Settings { bounces: Some(bounces), ..normal() }));
         }
+        let usual = normal().share;
         let mut with = |patch_size, cells, gather_error: f64, share| {
             let hemicube = HemicubeSize::new(cells, cells).expect("even and in range");
             let gather = if gather_error == 0.0 { Gather::Luxel } else { Gather::Interpolate };
@@ -138,19 +139,19 @@ impl Bench for MapBench<'_> {
         };
         for patch in [8, 4, 2] {
             for error in [f64::INFINITY, 0.2, 0.1, 0.05, 0.02] {
-                with(patch, 16, error, 0.25);
+                with(patch, 16, error, usual);
             }
-            with(patch, 16, 0.0, 0.25);
+            with(patch, 16, 0.0, usual);
             with(patch, 32, 0.05, 0.0);
             with(patch, 32, 0.0, 0.0);
         }
         for cells in [8, 16, 24, 32, 48] {
-            with(2, cells, 0.1, 0.25);
+            with(2, cells, 0.1, usual);
         }
         for share in [0.0, 0.1, 0.5, 1.0] {
             with(2, 16, 0.1, share);
         }
-        with(1, 16, 0.1, 0.25);
+        with(1, 16, 0.1, usual);
         with(2, 16, 0.02, 0.0);
         with(1, 32, 0.02, 0.0);
         with(2, 32, 0.02, 0.0);
