@@ -35,13 +35,17 @@ def known(folder, root):
     rows = list(csv.DictReader(path.open()))
     names = ["hemicube", "patch", "gather", "share"]
     rungs = list(dict.fromkeys(tuple(row[n] for n in names) for row in rows))
+    renewed = 0
     for name, swept in sweeps(folder).items():
         found = {tuple(r["knobs"][n] for n in names): r for r in swept
                  if r["knobs"].get("samples") == "1" and r["knobs"]["bounces"] == "all"}
         if all(rung in found for rung in rungs):
+            renewed += 1
             rows = [row for row in rows if row["map"] != name]
             rows += [dict(zip(names, rung), map=name, error=f"{found[rung]['error']:.4f}",
                           luxels=f"{found[rung]['luxels']:.3f}") for rung in rungs]
+    if renewed == 0:
+        sys.exit(f"no sweep of a map has all settings of {path}")
     with path.open("w", newline="") as file:
         out = csv.DictWriter(file, ["map", *names, "error", "luxels"], lineterminator="\n")
         out.writeheader()
