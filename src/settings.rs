@@ -115,9 +115,10 @@ pub struct Settings {
     pub gather: Gather,
     /// Error that interpolation may make, above 0: see [`GatherSettings::error`].
     pub gather_error: f64,
-    /// A patch shares the hemicube of one beside it that is nearer than this share of the harmonic mean
-    /// distance of what that one sees; 0 for none. Above 0, hemicubes of patches that are cut off, and of
-    /// single luxels where interpolation may err by 0.05 or more, have half as many cells along an edge.
+    /// Patches beside each other share the hemicube in their middle if that is nearer than this share of the
+    /// harmonic mean distance of what it sees; 0 for none. Above 0, hemicubes of patches that are cut off,
+    /// and of single luxels where interpolation may err by 0.05 or more, have half as many cells along an
+    /// edge.
     pub share: f32,
     /// Factor on the reflectance of textures, 0 and up.
     pub reflectance_scale: f32,

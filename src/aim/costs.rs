@@ -21,12 +21,13 @@ const NEIGHBOURS: usize = 4;
 const INTERPOLATED: f64 = 0.06;
 /// A luxel's hemicube takes this times that of a patch, as it keeps no row.
 const OF_LUXEL: f64 = 0.9;
-/// The same with as many cells and more, which tell luxel intervals apart from farther away.
+/// So many cells and more tell luxel intervals apart from farther away, which takes...
 const FINE: u32 = 32;
+/// ...this times that of a patch.
 const OF_LUXEL_FINE: f64 = 1.2;
 /// The same where it has half as many cells along an edge.
 const OF_LUXEL_HALVED: f64 = 0.55;
-/// The same for small patches and others.
+/// A small patch's hemicube takes this times that of another: half as many cells along an edge.
 const OF_SMALL: f64 = 0.55;
 /// Seconds of a pass of bounces for each form factor, on one thread.
 const PASS: f64 = 1.5e-9;

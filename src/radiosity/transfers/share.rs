@@ -29,7 +29,8 @@ pub struct Sharing<'a> {
 }
 
 impl Transfers {
-    /// The same, but some patches share their rows, and for some a coarser hemicube does.
+    /// As [`compute`](Self::compute), but some patches share their rows, and for some a coarser hemicube
+    /// does. `advance(n)` is told of every n rows done.
     pub fn shared(
         tracer: &Tracer,
         patches: &PatchSet,
